@@ -9,7 +9,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::path::Path;
 
-/// Colours: one per parameter that is fitted alone, then those of the best pair and of all.
+/// Colours: one per parameter fitted alone, then of the best pair and of the fit of all.
 const COLORS: [RGBColor; 6] = [
     RGBColor(31, 119, 180),
     RGBColor(214, 96, 20),
@@ -29,7 +29,7 @@ pub fn save_chart(report: &FitReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "fit")
 }
 
-/// Curve of the picture with its residuals, colour and name.
+/// Plotted curve: its residuals, colour and name.
 struct Line<'a> {
     residuals: &'a [f64],
     color: RGBColor,
@@ -37,7 +37,7 @@ struct Line<'a> {
 }
 
 impl FitReport {
-    /// Returns the scene as it is, each parameter alone, the best pair, and all.
+    /// Returns the curves of the unchanged scene, each parameter alone, the best pair, and all parameters.
     fn lines(&self) -> Vec<Line<'_>> {
         let given = Line { residuals: &self.given, color: MUTED, name: name("as the scene has it", self.given_rms) };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);

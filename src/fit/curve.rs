@@ -10,7 +10,7 @@ use std::path::Path;
 const HEADER: [&str; 2] = ["depth_m", "force_n"];
 /// Largest file that is read, bytes.
 const LIMIT: u64 = 1 << 20;
-/// Smallest number of points: any single parameter fits one point, which tells nothing.
+/// Smallest number of points: any single parameter fits one point exactly, which is no evidence.
 const FEWEST: usize = 2;
 
 /// Force against depth.
@@ -24,8 +24,8 @@ impl Curve {
     /// Reads a table with the header `depth_m,force_n`; lines that start with `#` are comments.
     ///
     /// # Errors
-    /// Fails for an entry that is not a number, not positive, or not deeper than the line before (with `file:line`), another header, and
-    /// fewer than two points.
+    /// Fails, with `file:line`, for an entry that is not a number, not positive, or not deeper than the line before;
+    /// also for another header and for fewer than two points.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = regular::read(path, LIMIT)?;
         let at = |line: u64, message: String| Error::file(format!("{}:{line}", path.display()), message);
@@ -57,7 +57,7 @@ impl Curve {
     }
 }
 
-/// Parses depth, m, and force, N, of a line; the error says what is wrong with it.
+/// Parses depth, m, and force, N, of a line. The error states what is wrong with it.
 fn row(record: &csv::StringRecord) -> std::result::Result<[f64; 2], String> {
     let [depth, force] = record.iter().collect::<Vec<_>>()[..] else {
         return Err(format!("a line is `depth,force`: two numbers, found {}", record.len()));
@@ -71,7 +71,7 @@ fn row(record: &csv::StringRecord) -> std::result::Result<[f64; 2], String> {
     Ok([depth.get(), force.get()])
 }
 
-/// Returns the beginning of a text that may be long.
+/// Returns the first 40 characters of a text.
 fn clipped(text: &str) -> String {
     text.chars().take(40).collect()
 }

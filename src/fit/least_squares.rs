@@ -1,30 +1,30 @@
-//! Bounded nonlinear least squares: Levenberg-Marquardt on the unit box, with derivatives by differences and the interval of each
-//! unknown.
+//! Bounded nonlinear least squares: Levenberg-Marquardt on the unit box, with finite-difference derivatives and a
+//! confidence interval of each unknown.
 
 use crate::error::{Error, Result};
 use distrs::StudentsT;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-/// Step of the differences: well above the noise of a simulation (some 1e-4 of a force).
+/// Finite-difference step: well above the noise of a simulation (about 1e-4 of a force).
 const DIFFERENCE: f64 = 0.05;
-/// Step below which the fit has settled.
+/// Largest component of a step below which the fit has converged.
 const STILL: f64 = 1e-3;
-/// Root mean square below which the residuals are the noise of a simulation.
+/// Root mean square below which the residuals are at the noise level of a simulation.
 const NOISE: f64 = 1e-4;
-/// Decrease of the squares, over their sum, below which the fit has stalled.
+/// Relative decrease of the sum of squares below which the fit has stalled.
 const STALLED: f64 = 1e-3;
 /// Largest number of iterations.
 const MOST: usize = 30;
-/// First fraction of the curvature that is added; it is divided by ten after a step that helped and multiplied by ten after one that did
-/// not.
+/// Initial damping, a fraction of the diagonal of the normal matrix; it is divided by ten after a step that decreases
+/// the squares and multiplied by ten after one that does not.
 const DAMPING: f64 = 1e-3;
-/// Damping beyond which no step helps.
+/// Damping beyond which the iteration ends.
 const MOST_DAMPING: f64 = 1e6;
-/// Confidence of the intervals.
+/// Confidence level of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
-/// Minimum of the squares.
+/// Minimum of the sum of squares.
 pub struct Minimum {
     /// Unknowns at the minimum, each in 0..=1.
     pub at: Vec<f64>,
@@ -32,16 +32,17 @@ pub struct Minimum {
     pub residual: Vec<f64>,
     /// Derivatives of the residuals at the minimum: a row per residual, a column per unknown.
     jacobian: Mat<f64>,
-    /// True if the fit settled.
+    /// True if the fit converged.
     pub converged: bool,
     /// Number of iterations.
     pub iterations: usize,
 }
 
-/// Finds the least squares from `start`. `residuals` takes several points at once; it returns None for a point without residuals.
+/// Minimises the squares from `start`. `residuals` takes several points at once; it returns None for a point without
+/// residuals.
 ///
 /// # Errors
-/// Fails if `residuals` fails, or returns None at `start` or beside a point that was reached.
+/// Fails if `residuals` fails, or returns None at `start` or at a finite-difference point of an iterate.
 pub fn minimise(start: &[f64], residuals: impl Fn(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>>) -> Result<Minimum> {
     let failed = || Error::Argument("a press beside one that succeeded fails; narrow the ranges with --range".into());
     let all = |points: &[Vec<f64>]| residuals(points)?.into_iter().collect::<Option<Vec<_>>>().ok_or_else(failed);
@@ -85,18 +86,18 @@ pub fn rms(residual: &[f64]) -> f64 {
     (squares(residual) / residual.len().max(1) as f64).sqrt()
 }
 
-/// Returns the step of a difference, towards the middle of the box.
+/// Returns the finite-difference step at `u`, towards the centre of the box.
 fn step(u: f64) -> f64 {
     if u < 0.5 { DIFFERENCE } else { -DIFFERENCE }
 }
 
-/// Returns the points at which differences to `at` are taken, one per unknown.
+/// Returns the finite-difference points of `at`, one per unknown.
 pub fn beside(at: &[f64]) -> Vec<Vec<f64>> {
     let point = |k: usize| at.iter().enumerate().map(|(i, u)| if i == k { u + step(*u) } else { *u }).collect();
     (0..at.len()).map(point).collect()
 }
 
-/// Computes the derivatives at a point with residuals `base`.
+/// Computes the Jacobian at a point with residuals `base`.
 fn differences(at: &[f64], base: &[f64], all: impl Fn(&[Vec<f64>]) -> Result<Vec<Vec<f64>>>) -> Result<Mat<f64>> {
     let columns = all(&beside(at))?;
     Ok(Mat::from_fn(base.len(), at.len(), |i, k| (columns[k][i] - base[i]) / step(at[k])))
@@ -112,12 +113,12 @@ impl Minimum {
         rms(&self.residual)
     }
 
-    /// Returns half the gradient of the squares.
+    /// Returns half the derivative of the sum of squares with respect to unknown `k`.
     fn gradient(&self, k: usize) -> f64 {
         self.residual.iter().enumerate().map(|(i, r)| self.jacobian[(i, k)] * r).sum()
     }
 
-    /// Returns the products of the derivatives of some unknowns.
+    /// Returns the normal matrix (Gauss-Newton Hessian) of some unknowns.
     fn normal(&self, of: &[usize]) -> Mat<f64> {
         let product = |a: usize, b: usize| {
             (0..self.residual.len()).map(|i| self.jacobian[(i, of[a])] * self.jacobian[(i, of[b])]).sum()
@@ -125,7 +126,7 @@ impl Minimum {
         Mat::from_fn(of.len(), of.len(), product)
     }
 
-    /// Returns the end of a step. Unknowns that the gradient holds at an edge stay there.
+    /// Returns the end of a step. Unknowns at a bound with an outward descent direction stay there (active set).
     fn step(&self, damping: f64) -> Vec<f64> {
         let held = |k: usize| {
             let slope = self.gradient(k);
@@ -146,18 +147,18 @@ impl Minimum {
         next
     }
 
-    /// Returns the unknowns off the edges of the box.
+    /// Returns the unknowns that are not at a bound.
     fn inside(&self) -> Vec<usize> {
         (0..self.at.len()).filter(|&k| self.at[k] > 0.0 && self.at[k] < 1.0).collect()
     }
 
-    /// Returns the degrees of freedom: the number of residuals minus that of the unknowns off the edges.
+    /// Returns the degrees of freedom: the number of residuals minus the number of unknowns that are not at a bound.
     pub fn freedom(&self) -> usize {
         self.residual.len().saturating_sub(self.inside().len())
     }
 
-    /// Returns half the width of the interval that holds each unknown with 95 % confidence, after Student and to first order. None at an
-    /// edge, without degrees of freedom, and if the unknowns cannot be distinguished.
+    /// Returns half the width of the 95 % confidence interval of each unknown (Student's t, to first order). None at a
+    /// bound, without degrees of freedom, and if the normal matrix is singular.
     pub fn intervals(&self) -> Vec<Option<f64>> {
         let (inside, freedom) = (self.inside(), self.freedom());
         let mut intervals = vec![None; self.at.len()];
@@ -179,7 +180,7 @@ impl Minimum {
 mod tests {
     use super::*;
 
-    /// Checks a line through points off by +-1: textbook values, and a bound that binds.
+    /// Checks a line fitted to points that are off by +-1 hundredth against textbook values, and an active bound.
     #[test]
     fn a_line_has_the_textbook_interval_and_a_bound_holds() {
         let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.11, 0.19, 0.31, 0.39]);

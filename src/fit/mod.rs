@@ -1,10 +1,10 @@
-//! Constants of a press fitted to a measured curve of force against depth, by least squares of relative forces.
+//! Constants of a press fitted to a measured curve of force against depth, by least squares of relative force errors.
 //!
 //! ```text
 //! scene + curve.rs (table) -> press.rs (forces of given values) -> least_squares.rs -> report.rs, chart.rs
 //! ```
 //!
-//! Each parameter is fitted alone, in pairs, and all of them together if the table has enough points.
+//! Each parameter is fitted alone, in pairs, and all together if the table has at least as many points as parameters.
 
 pub mod chart;
 pub mod curve;
@@ -23,11 +23,12 @@ use press::PressRuns;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads; `progress` is told of every step.
+/// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads. Reports each
+/// stage to `progress`.
 ///
 /// # Errors
-/// Fails for a scene that is not a single press on a gel without weight, or whose own values lie outside the ranges; for a press that
-/// fails with the values of the scene; and with [`crate::error::Error::Interrupted`].
+/// Fails for a scene that is not a single press of a gel without gravity, or whose own values lie outside the ranges;
+/// for a press that fails with the values of the scene; and with [`crate::error::Error::Interrupted`].
 pub fn fit(
     scene: &Scene,
     curve: &Curve,
@@ -45,7 +46,7 @@ pub fn fit(
     let values = |free: &[Parameter], units: &[Vec<f64>]| -> Vec<ParameterValues> {
         units.iter().map(|u| ranges.values(&start, free, u)).collect()
     };
-    // All fits begin with these.
+    // The finite-difference points that all fits begin with, in one parallel batch.
     let beside = least_squares::beside(&ranges.units(&start, &Parameter::ALL));
     press.residuals(&values(&Parameter::ALL, &beside))?;
     let done = AtomicUsize::new(0);
@@ -59,7 +60,7 @@ pub fn fit(
     Ok(FitReport::new(curve, &start, &ranges, given, fits, press.simulations()))
 }
 
-/// Returns the sets of parameters that are free together: each alone, each pair, all.
+/// Returns the sets of simultaneously free parameters: each alone, each pair, all.
 fn sets() -> Vec<Vec<Parameter>> {
     let all = Parameter::ALL;
     let pairs = (0..all.len()).flat_map(|a| (a + 1..all.len()).map(move |b| vec![all[a], all[b]]));

@@ -6,7 +6,7 @@ use crate::number::shown;
 use crate::scene::leaf::{Modulus, NonNegative, Poisson};
 use serde::Serialize;
 
-/// Constant that a fit may change.
+/// Constant that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Parameter {
@@ -16,14 +16,15 @@ pub enum Parameter {
     Poisson,
     /// Coefficient of friction between gel and object.
     Friction,
-    /// Depth of the pad at the zero of the table, m.
+    /// Offset of the depth: true depth of the pad where the table has depth zero, m.
     DepthZero,
 }
 
 /// Values of the parameters, in the order of [`Parameter::ALL`].
 pub type ParameterValues = [f64; 4];
 
-/// Largest shift of the zero upwards, over the smallest depth of the table: a press has a depth.
+/// Largest upward shift of the depth zero, as a fraction of the smallest depth of the table, so that every depth stays
+/// positive.
 const ABOVE: f64 = 0.9;
 
 impl Parameter {
@@ -40,7 +41,7 @@ impl Parameter {
         }
     }
 
-    /// Returns the name in a sentence.
+    /// Returns the name as used in a sentence.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Young => "Young's modulus",
@@ -50,7 +51,7 @@ impl Parameter {
         }
     }
 
-    /// Returns symbol and unit at the head of a table, and the factor from SI to that unit.
+    /// Returns symbol and unit for a table header, and the factor from SI to that unit.
     pub const fn shown_as(self) -> (&'static str, f64) {
         match self {
             Self::Young => ("E kPa", 1e-3),
@@ -60,21 +61,23 @@ impl Parameter {
         }
     }
 
-    /// Returns the default range, SI: that of gels of optical tactile sensors.
+    /// Returns the default range, SI, which covers gels of optical tactile sensors.
     const fn usual(self) -> [f64; 2] {
         match self {
-            // From TacEx' GelSight Mini (0.1 MPa) to the users of the tactile grasp data set (0.5 MPa); FEATS identified 0.43 MPa.
+            // From TacEx' GelSight Mini (0.1 MPa) to the users of the tactile grasp data set (0.5 MPa); FEATS
+            // identified 0.43 MPa.
             Self::Young => [0.1e6, 0.5e6],
-            // From the same users (0.4) to what mean dilatation still resolves; FEATS' CalculiX takes 0.475, silicone is near 0.49.
+            // From the same users (0.4) to the largest that mean dilatation still resolves; FEATS' CalculiX takes
+            // 0.475, silicone is near 0.49.
             Self::Poisson => [0.4, 0.499],
             // From a lubricated face to bare silicone on plastic.
             Self::Friction => [0.0, 1.0],
-            // Nobody publishes it: how far touch is noticed too late or too early.
+            // No published value: the error in detecting first contact, either way.
             Self::DepthZero => [-1e-4, 1e-4],
         }
     }
 
-    /// Returns the reason, in words, why a scene could not have this value.
+    /// Returns the reason why a scene cannot have this value, if any.
     fn refused(self, value: f64) -> Option<String> {
         match self {
             Self::Young => Modulus::new(value).err(),
@@ -99,7 +102,7 @@ impl Ranges {
     /// Sets the range `NAME=LOW,HIGH`, SI.
     ///
     /// # Errors
-    /// Returns the message about an unknown name, an entry that is not two numbers, or values that no scene may have.
+    /// Fails, with a message, for an unknown name, an entry that is not two numbers, or values that no scene can have.
     pub fn set(&mut self, text: &str) -> std::result::Result<(), String> {
         let known = || Parameter::ALL.map(Parameter::name).join(", ");
         let form = || format!("`{text}` is not NAME=LOW,HIGH with NAME one of {}", known());
@@ -118,7 +121,8 @@ impl Ranges {
         Ok(())
     }
 
-    /// Returns the same ranges with a zero of depth that leaves the first point of the table below the surface.
+    /// Returns the same ranges with the depth zero limited so that the first point of the table stays below the
+    /// surface.
     pub(super) fn above_surface(&self, curve: &Curve) -> Self {
         let mut ranges = *self;
         let first = curve.points.first().map_or(f64::INFINITY, |p| p.0);
@@ -127,7 +131,7 @@ impl Ranges {
         ranges
     }
 
-    /// Refuses values outside of the ranges.
+    /// Checks that all values are within their ranges.
     pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
@@ -144,12 +148,12 @@ impl Ranges {
         Ok(())
     }
 
-    /// Returns the positions of the free ones of `values` in their ranges, 0 to 1.
+    /// Returns the positions of the free parameters within their ranges, 0 to 1.
     pub(super) fn units(&self, values: &ParameterValues, free: &[Parameter]) -> Vec<f64> {
         free.iter().map(|p| *p as usize).map(|i| (values[i] - self.0[i][0]) / self.width(i)).collect()
     }
 
-    /// Returns `start` with the free ones at the given fractions of their ranges.
+    /// Returns `start` with the free parameters at the given fractions of their ranges.
     pub(super) fn values(&self, start: &ParameterValues, free: &[Parameter], units: &[f64]) -> ParameterValues {
         let mut values = *start;
         for (p, u) in free.iter().zip(units) {

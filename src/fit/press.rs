@@ -1,4 +1,4 @@
-//! Press with given constants: one simulation per set of them, kept.
+//! Simulated press with given constants; every simulation is cached.
 
 use super::{Curve, Parameter, ParameterValues};
 use crate::backend::choose;
@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-/// Bits of Poisson's ratio, friction and zero of depth. Young's modulus is not among them, because forces are proportional to it: so is
-/// every law of a gel, and so is the contact.
+/// Cache key: bits of Poisson's ratio, friction and depth zero. Young's modulus is absent because forces are
+/// proportional to it, in all material laws and in the contact.
 type Key = [u64; 3];
 
 /// Press at the depths of a curve.
@@ -32,10 +32,10 @@ pub struct PressRuns<'a> {
 }
 
 impl<'a> PressRuns<'a> {
-    /// Takes a scene over; presses run on `threads` threads, each on one.
+    /// Prepares the press of a scene; presses run in parallel on `threads` threads, one thread each.
     ///
     /// # Errors
-    /// Fails for a scene without a press, with several grasps or with weight.
+    /// Fails for a scene that is not a press, that has several grasps or gravity, or whose pads differ.
     pub fn new(scene: &Scene, curve: &'a Curve, threads: usize) -> Result<Self> {
         scene.gripper.needs_alike("a fit")?;
         let refused = |message: &str| Err(Error::Scene(format!("error: a fit {message}")));
@@ -81,7 +81,8 @@ impl<'a> PressRuns<'a> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Returns simulated over measured force, minus one, at every point of the curve, for each of `values`; None if the press fails.
+    /// Returns, for each of `values`, the simulated over the measured force, minus one, at every point of the curve;
+    /// None if the press fails.
     ///
     /// # Errors
     /// Fails if a model cannot be built or run.
@@ -105,7 +106,7 @@ impl<'a> PressRuns<'a> {
         Ok(values.iter().map(of).collect())
     }
 
-    /// Returns the residuals of one set of values.
+    /// Returns the residuals at one set of values.
     ///
     /// # Errors
     /// Fails in the cases of [`Self::residuals`], and also if the press fails.

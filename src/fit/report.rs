@@ -6,9 +6,9 @@ use crate::number::{rounded, shown};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Root mean square of relative residuals below which there is no deviation to explain.
+/// Root mean square of the relative residuals below which the scene already matches the table.
 const NOTHING: f64 = 1e-3;
-/// Number of points of a table that are listed individually.
+/// Largest number of points whose residuals are listed individually.
 const LISTED: usize = 8;
 
 /// Fitted parameter.
@@ -18,13 +18,13 @@ pub struct FittedParameter {
     pub parameter: Parameter,
     /// Value, SI.
     pub value: f64,
-    /// Half the width of the interval of 95 % confidence, SI; None if there is none: see [`Fit::freedom`] and `at_edge`.
+    /// Half the width of the 95 % confidence interval, SI; None if there is none: see [`Fit::freedom`] and `at_edge`.
     pub interval: Option<f64>,
-    /// True if the value lies at an end of its range, which holds it there.
+    /// True if the value is at an end of its range.
     pub at_edge: bool,
 }
 
-/// Fit with some parameters free and the others as the scene has them.
+/// Fit with some parameters free and the others at the values of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// Free parameters.
@@ -35,11 +35,12 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// Root mean square of the residuals.
     pub rms: f64,
-    /// Number of points minus that of the parameters off the ends of their ranges; at zero there are no intervals.
+    /// Degrees of freedom: number of points minus number of parameters inside their ranges; at zero there are no
+    /// intervals.
     pub freedom: usize,
-    /// True if the fit settled.
+    /// True if the fit converged.
     pub converged: bool,
-    /// Number of iterations of Levenberg and Marquardt.
+    /// Number of Levenberg-Marquardt iterations.
     pub iterations: usize,
 }
 
@@ -89,21 +90,21 @@ pub struct FitReport {
     pub depths_m: Vec<f64>,
     /// Measured forces, N.
     pub forces_n: Vec<f64>,
-    /// Names of the parameters, in the order of `start`, `ranges` and the values of a fit.
+    /// Parameters, in the order of `start`, `ranges` and the values of a fit.
     pub parameters: [Parameter; 4],
     /// Values of the scene, SI.
     pub start: ParameterValues,
     /// Smallest and largest allowed values, SI.
     pub ranges: [[f64; 2]; 4],
-    /// Relative residuals of the scene as it is.
+    /// Relative residuals of the unchanged scene.
     pub given: Vec<f64>,
     /// Root mean square of these residuals.
     pub given_rms: f64,
     /// Fits of each parameter alone, each pair, and all.
     pub fits: Vec<Fit>,
-    /// Parameter that explains most on its own; None if there is no deviation to explain.
+    /// Parameter whose fit alone has the smallest residual; None if the scene already matches the table.
     pub explains: Option<Parameter>,
-    /// Number of presses that were simulated.
+    /// Number of simulated presses.
     pub simulations: usize,
 }
 
@@ -133,17 +134,17 @@ impl FitReport {
         }
     }
 
-    /// Returns true if every fit settled.
+    /// Returns true if every fit converged.
     pub fn converged(&self) -> bool {
         self.fits.iter().all(|f| f.converged)
     }
 
-    /// Returns the fraction of the scene's sum of squares that a fit removes.
+    /// Returns the fraction of the unchanged scene's sum of squares that a fit removes.
     pub fn explained(&self, fit: &Fit) -> f64 {
         1.0 - (fit.rms / self.given_rms).powi(2)
     }
 
-    /// Returns the fit with the smallest residual of those with `count` free parameters.
+    /// Returns the fit with the smallest residual among those with `count` free parameters.
     pub fn best(&self, count: usize) -> Option<&Fit> {
         self.fits.iter().filter(|f| f.free.len() == count).min_by(|a, b| a.rms.total_cmp(&b.rms))
     }
@@ -216,7 +217,7 @@ impl FitReport {
     }
 }
 
-/// Returns the remark after a fitted value.
+/// Returns the suffix of a fitted value in the table.
 fn note(estimate: &FittedParameter) -> String {
     match estimate.interval {
         Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
@@ -225,12 +226,12 @@ fn note(estimate: &FittedParameter) -> String {
     }
 }
 
-/// Formats four significant digits.
+/// Formats to four significant digits.
 pub(super) fn four(v: f64) -> String {
     shown(rounded(v, 4))
 }
 
-/// Formats two significant digits.
+/// Formats to two significant digits.
 pub(super) fn two(v: f64) -> String {
     shown(rounded(v, 2))
 }

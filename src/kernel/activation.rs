@@ -1,13 +1,13 @@
-//! Activations of the network on whole registers.
+//! Activation functions of the network, on SIMD registers.
 
 use pulp::Simd;
 
-/// Activation of a number.
+/// Activation function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Act {
     /// Identity.
     None,
-    /// Gated unit `z (1 + z / sqrt(1 + z2)) / 2`.
+    /// Gated linear unit with an algebraic sigmoid, `z (1 + z / sqrt(1 + z2)) / 2`.
     Gated,
 }
 
@@ -29,7 +29,7 @@ pub fn gated<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.mul_add_e_f32s(half, gate, half)
 }
 
-/// Computes `(z + sqrt(z2 + 1)) / 2`, without cancelling for z << 0.
+/// Computes `(z + sqrt(z2 + 1)) / 2`, without cancellation for z << 0.
 #[inline(always)]
 pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let root = simd.sqrt_f32s(simd.mul_add_e_f32s(z, z, simd.splat_f32s(1.0)));
@@ -38,9 +38,9 @@ pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.select_f32s(negative, simd.div_f32s(simd.splat_f32s(0.25), sum), sum)
 }
 
-/// Computes `1 / sqrt(x)` for normal x > 0: an estimate from the exponent (Lomont 2003), then a step of Halley's method, which is
-/// of third order, and one of Newton's. Division and root would keep the one unit that does them busy for longer than a whole
-/// message takes.
+/// Computes `1 / sqrt(x)` for normal x > 0: an estimate from the exponent bits (Lomont 2003), then one step of Halley's
+/// method (third order) and one of Newton's. The processor's division and square root share one execution unit, which
+/// would take longer than all other work of a message.
 #[inline(always)]
 fn inverse_root<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let bits = simd.wrapping_dyn_shr_u32s(simd.transmute_u32s_f32s(x), simd.splat_u32s(1));
@@ -79,7 +79,7 @@ mod tests {
             let z = f64::from(*z);
             let root = (1.0 + z * z).sqrt();
             let [gated, positive] = [0.5 * z * (1.0 + z / root), 0.5 * (z + root)];
-            // For z << 0 the gate cancels: what is left is good to a part of z.
+            // For z << 0 the gate cancels, so the error is absolute, a fraction of |z|.
             assert!((f64::from(a) - gated).abs() < 2e-7 * (1.0 + z.abs()), "gated({z}) = {a}, not {gated}");
             assert!((f64::from(b) - positive).abs() < 5e-7 * positive, "positive({z}) = {b}, not {positive}");
         }

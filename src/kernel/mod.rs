@@ -1,4 +1,5 @@
-//! Numeric kernels on plain arrays: packed products, activations on registers, sparse matrices, numbers mapped from a file.
+//! Numeric kernels on plain arrays: packed matrix products, activations on registers, sparse matrices, memory-mapped
+//! arrays.
 
 pub mod activation;
 pub mod numbers;

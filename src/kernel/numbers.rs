@@ -1,4 +1,4 @@
-//! Many numbers that never change: owned by this process, or a part of a file that is mapped instead of read.
+//! Large constant arrays of f32, owned by this process or memory-mapped from a file.
 #![allow(unsafe_code, reason = "a file is mapped by a call that trusts nobody to write to it meanwhile")]
 
 use memmap2::Mmap;
@@ -7,15 +7,15 @@ use std::fs::File;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// File in memory; its pages are read when they are looked at.
+/// Memory-mapped file; its pages are read on first access.
 #[derive(Debug, Clone)]
 pub struct Map(Arc<Mmap>);
 
 impl Map {
-    /// Maps a file that is replaced as a whole, never changed in place: that is how this crate writes. Returns None where the
-    /// system cannot map it.
+    /// Maps a file. It must never be changed in place, only replaced as a whole, as this crate does when it writes.
+    /// Returns None if the system cannot map it.
     pub fn of(file: &File) -> Option<Self> {
-        // SAFETY: see above; whoever cuts a file short that is in use ends the process, as with any mapped library.
+        // SAFETY: see above; truncating a mapped file ends this process (SIGBUS), as with any memory mapping.
         let map = unsafe { Mmap::map(file) }.ok()?;
         Some(Self(Arc::new(map)))
     }
@@ -25,8 +25,8 @@ impl Map {
         &self.0
     }
 
-    /// Returns the `count` numbers (little endian) from byte `start` on. Returns None if the file does not hold as many, or if this
-    /// processor cannot read them in place.
+    /// Returns the `count` numbers (f32, little endian) from byte `start` on. Returns None if the file is too short or
+    /// if this processor cannot read them in place (byte order or alignment).
     pub fn numbers(&self, start: usize, count: usize) -> Option<Numbers> {
         let range = start..start.checked_add(count.checked_mul(4)?)?;
         let bytes = self.0.get(range.clone())?;
@@ -35,7 +35,7 @@ impl Map {
     }
 }
 
-/// Slice of f32, cheap to clone.
+/// Constant slice of f32, cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Numbers(Source);
 
@@ -57,7 +57,7 @@ impl Deref for Numbers {
     fn deref(&self) -> &[f32] {
         match &self.0 {
             Source::Own(numbers) => numbers,
-            // Checked when it was made.
+            // `Map::numbers` has checked range and alignment.
             Source::File(map, range) => try_cast_slice(&map.0[range.clone()]).unwrap_or_default(),
         }
     }

@@ -1,9 +1,10 @@
-//! Products of rows with packed weights, with bias and activation in the same pass over the result.
+//! Matrix products with packed weights; bias and activation are applied in the same pass over the result.
 //!
-//! The weights lie in panels of up to 48 columns, row after row, as the innermost loop reads them; that loop keeps a tile of the
-//! result in registers. Every number of a result is one chain of fused multiply-adds in the order of the rows of the weights:
-//! tiles, threads and the width of the registers change no bit (but processors without such an instruction round twice). The
-//! instructions of the processor, AVX-512, AVX2 or neither, are detected at run time.
+//! The weights are stored in panels of up to 48 columns, row by row, in the order in which the innermost loop reads
+//! them; that loop keeps a tile of the result in registers. Every entry of a result is one chain of fused multiply-adds
+//! in the order of the rows of the weights, so tiles, threads and register width do not change a single bit (except on
+//! processors without such an instruction, which round twice). The instruction set (AVX-512, AVX2 or neither) is
+//! detected at run time.
 #![allow(
     unsafe_code,
     reason = "the compiler does not see that all rows of a tile are as long; checks would fill its registers"
@@ -12,18 +13,18 @@
 use super::activation::{Act, activate};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Number of columns that all column counts are multiples of: a register of AVX-512.
+/// Number that all column counts are multiples of: the width of an AVX-512 register in f32.
 pub const LANES: usize = 16;
 
-/// Returns `n` rounded up to whole [`LANES`].
+/// Returns `n` rounded up to a multiple of [`LANES`].
 pub fn padded(n: usize) -> usize {
     n.next_multiple_of(LANES)
 }
 
-/// Matrix of weights (rows, cols) in panels.
+/// Matrix of weights (rows, cols), stored in panels.
 #[derive(Debug, Clone, Default)]
 pub struct Packed {
-    /// Number of rows: the length of the rows that it is multiplied with.
+    /// Number of rows: the inner dimension of a product.
     pub rows: usize,
     /// Number of columns, [`padded`] with zeros.
     pub cols: usize,
@@ -31,7 +32,7 @@ pub struct Packed {
 }
 
 impl Packed {
-    /// Packs row-major numbers, `cols` to a row.
+    /// Packs a row-major matrix with `cols` columns.
     pub fn new(weights: &[f32], cols: usize) -> Self {
         let mut packed = Self::default();
         packed.fill(weights.len() / cols.max(1), cols, |r, c| weights[r * cols + c]);
@@ -51,7 +52,7 @@ impl Packed {
     }
 }
 
-/// Returns first column and width of each panel: 48 where they fit, two of 32 rather than 48 and 16.
+/// Returns first column and width of each panel: 48 where possible, but 32 + 32 instead of 48 + 16.
 fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
     let mut start = 0;
     std::iter::from_fn(move || {
@@ -66,12 +67,12 @@ fn panels(cols: usize) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// Rows of a row-major matrix.
+/// View of the rows of a row-major matrix.
 #[derive(Debug, Clone, Copy)]
 pub struct RowsView<'a> {
     /// Numbers; row i starts at `i * stride`.
     pub data: &'a [f32],
-    /// Distance from one row to the next.
+    /// Distance between the starts of consecutive rows, in numbers.
     pub stride: usize,
     /// Number of rows.
     pub count: usize,
@@ -80,19 +81,19 @@ pub struct RowsView<'a> {
 /// Arguments of the product `out = act(keep * out + bias + a w)`.
 #[derive(Debug)]
 pub struct Product<'a> {
-    /// Rows as long as `w` has rows, or longer.
+    /// Left factor; its rows have at least as many entries as `w` has rows.
     pub a: RowsView<'a>,
-    /// Weights.
+    /// Right factor: the weights.
     pub w: &'a Packed,
-    /// True to add to the content of `out`.
+    /// Flag: the previous content of `out` is added.
     pub keep: bool,
-    /// Row that is added to all rows, as long as a row of the weights or longer.
+    /// Row added to every row of the result, with at least as many entries as `w` has columns.
     pub bias: Option<&'a [f32]>,
-    /// Function of the result.
+    /// Activation applied to the result.
     pub act: Act,
     /// Result: row i starts at `i * stride`.
     pub out: &'a mut [f32],
-    /// Distance from one row of the result to the next.
+    /// Distance between the starts of consecutive rows of the result, in numbers.
     pub stride: usize,
 }
 
@@ -105,7 +106,7 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// Computes a [`Product`] with the instructions `simd` stands for.
+/// Computes a [`Product`] with the instruction set of `simd`.
 #[inline(always)]
 pub fn product<S: Simd>(simd: S, p: Product) {
     let Product { a, w, keep, bias, act, out, stride } = p;
@@ -115,8 +116,8 @@ pub fn product<S: Simd>(simd: S, p: Product) {
         at += width * w.rows;
         let bias = bias.map(|b| &b[col..col + width]);
         let mut part = Panel { a, k: w.rows, panel, keep, bias, act, out: &mut *out, stride, col };
-        // Register tiles (registers to a row of the panel, registers, rows): as many accumulators as there are registers, less
-        // a few.
+        // Register tiles (registers per panel row, registers per tile row, rows): the accumulators occupy all registers
+        // except a few.
         match (S::F32_LANES, width / LANES) {
             (16, 3) => part.run::<S, 3, 3, 8>(simd),
             (16, 2) => part.run::<S, 2, 2, 12>(simd),
@@ -134,7 +135,7 @@ pub fn product<S: Simd>(simd: S, p: Product) {
     }
 }
 
-/// Panel of a product.
+/// One panel of a product.
 struct Panel<'a, 'b> {
     a: RowsView<'a>,
     k: usize,
@@ -172,7 +173,7 @@ impl Panel<'_, '_> {
         for (p, b) in b.iter().enumerate() {
             let b = &b[first..first + N];
             for i in 0..M {
-                // SAFETY: every row has been cut to k numbers, and so has b.
+                // SAFETY: every row has been sliced to k numbers, and b has k rows.
                 let x = simd.splat_f32s(unsafe { *a[i].get_unchecked(p) });
                 for j in 0..N {
                     sum[i][j] = simd.mul_add_e_f32s(x, b[j], sum[i][j]);
@@ -197,7 +198,7 @@ impl Panel<'_, '_> {
     }
 }
 
-/// Computes `out = a w` for `w` of [`LANES`] columns of which only the first `used` matter.
+/// Computes `out = a w` for `w` of [`LANES`] columns of which only the first `used` are needed.
 pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
     if used <= FEW {
         return Arch::new().dispatch(Dots { a, w, used, out });
@@ -206,7 +207,7 @@ pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
     Arch::new().dispatch(Product { a, w, keep: false, bias: None, act: Act::None, out, stride });
 }
 
-/// Number of columns up to which a register of them is not worth it.
+/// Number of columns up to which dot products along the rows are faster than a register of columns.
 const FEW: usize = 4;
 
 /// Product with few columns, computed along the rows.
@@ -228,7 +229,7 @@ impl WithSimd for Dots<'_> {
             let (x, end) = S::as_simd_f32s(&x);
             for (row, out) in out.chunks_exact_mut(w.cols).enumerate().take(a.count) {
                 let (row, rest) = S::as_simd_f32s(&a.data[row * a.stride..][..w.rows]);
-                // Four sums: one would wait for itself.
+                // Four independent sums: a single one would be bound by the latency of the addition.
                 let mut sum = [simd.splat_f32s(0.0); 4];
                 let (x4, x1) = x.as_chunks::<4>();
                 let (row4, row1) = row.as_chunks::<4>();

@@ -1,20 +1,20 @@
-//! Fixed sparse matrix: gathers, sums over receivers, pools and interpolations are all of this form.
+//! Constant sparse matrices: gathers, sums over receivers, pools and interpolations.
 
 use super::Number;
 use std::sync::{Arc, OnceLock};
 
-/// Sparse matrix by rows, and its transpose.
+/// Sparse matrix in compressed rows, and its transpose.
 #[derive(Debug, Clone)]
 pub struct Sparse {
     forward: Rows,
-    /// Transpose, used for gradients alone.
+    /// Transpose, computed on first use; only gradients need it.
     transpose: OnceLock<Rows>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Rows {
     cols: usize,
-    /// Start of each row; one more at the end.
+    /// Index of the first entry of each row, and the number of entries at the end.
     start: Vec<u32>,
     entry: Vec<(u32, f32)>,
 }
@@ -62,12 +62,12 @@ impl Sparse {
         })
     }
 
-    /// Creates a matrix that gathers rows: row r of its product with x is row `index[r]` of x.
+    /// Creates a gather: row r of its product with x is row `index[r]` of x.
     pub fn gather(index: impl IntoIterator<Item = usize>, cols: usize) -> Arc<Self> {
         Self::new(&index.into_iter().map(|i| vec![(i as u32, 1.0)]).collect::<Vec<_>>(), cols)
     }
 
-    /// Returns its transpose: that of a gather adds to the receivers.
+    /// Returns the transpose: that of a gather is a scatter-add to the receivers.
     pub fn transposed(&self) -> Arc<Self> {
         Arc::new(Self { forward: self.transpose().clone(), transpose: self.forward.clone().into() })
     }
@@ -93,14 +93,14 @@ impl Sparse {
         self.forward.cols
     }
 
-    /// Computes `self * x` for plain numbers, `width` columns.
+    /// Computes `self * x` for a row-major x of `width` columns.
     pub fn times<T: Number>(&self, x: &[T], width: usize) -> Vec<T> {
         let mut y = vec![T::from(0.0); x.len() / (self.cols() * width).max(1) * self.rows() * width];
         self.forward.add(x, &mut y, width);
         y
     }
 
-    /// Adds `transpose(self) * y` to `x`, `width` columns.
+    /// Adds `transpose(self) * y` to `x`; both are row-major with `width` columns.
     pub fn add_transposed<T: Number>(&self, y: &[T], x: &mut [T], width: usize) {
         self.transpose().add(y, x, width);
     }

@@ -1,10 +1,11 @@
-//! Products of row-major matrices, on one thread.
+//! Single-threaded products of row-major matrices.
 #![allow(unsafe_code, reason = "the `gemm` crate takes pointers and strides; every one is checked here")]
 
 use super::real::Real;
 use gemm::{Parallelism, gemm};
 
-/// Computes `out (m x n) = keep * out + a (m x k) * b (k x n)`; `transposed` says which of `a` and `b` are stored transposed.
+/// Computes `out (m x n) = keep * out + a (m x k) * b (k x n)`; `transposed` flags whether `a` and `b` are stored
+/// transposed.
 pub fn product<T: Real>(
     (m, k, n): (usize, usize, usize),
     keep: bool,
@@ -16,7 +17,7 @@ pub fn product<T: Real>(
     assert!(out.len() == m * n && a.len() == m * k && b.len() == k * n, "matrix sizes must fit");
     let strides = |rows: usize, cols: usize, t: bool| if t { (rows as isize, 1) } else { (1, cols as isize) };
     let ((a_cs, a_rs), (b_cs, b_rs)) = (strides(m, k, transposed.0), strides(k, n, transposed.1));
-    // SAFETY: the lengths are checked above, and the strides stay within them.
+    // SAFETY: the lengths are checked above, and the strides address only entries within them.
     unsafe {
         let (a, b) = (a.as_ptr(), b.as_ptr());
         let alpha = T::of(if keep { 1.0 } else { 0.0 });

@@ -1,4 +1,4 @@
-//! Differentiation of the network: a tape, and operations with one forward and one backward kernel each.
+//! Reverse-mode differentiation of the network: a tape, and operations with one forward and one backward kernel each.
 
 mod gemm;
 pub mod ops;

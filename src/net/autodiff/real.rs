@@ -1,4 +1,4 @@
-//! Number types that a network computes with: f32 in use, f64 where gradients are checked.
+//! Number types of the network: f32 in use, f64 where gradients are checked.
 
 use super::tape::Matrix;
 use dfdx::prelude::Dtype;
@@ -49,6 +49,6 @@ macro_rules! real {
     };
 }
 
-// The same numbers are shared, not copied.
+// For f32 the entries are shared, not copied.
 real!(f32, Matrix::clone);
 real!(f64, |x: &Matrix| Matrix::constant(x.rows, x.cols, x.value().iter().map(|v| f64::from(*v)).collect()));

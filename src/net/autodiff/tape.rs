@@ -1,8 +1,8 @@
 //! Matrices on a dfdx tape. Every operation of the network records its own backward kernel here.
 //!
-//! dfdx keeps the tape and the gradients. A [`Matrix`] shares its numbers, so that kernels read them as a slice without a copy; it
-//! carries an empty dfdx tensor, which is its name among the gradients. There is one tape per pass, owned by [`Tape`] and never by
-//! a tensor: no operation can end up on a tape that is never run backwards.
+//! dfdx stores the tape and the gradients. A [`Matrix`] shares its entries, so that kernels read them as a slice
+//! without a copy; its empty dfdx tensor only serves as its key among the gradients. Each pass has one tape, owned by
+//! [`Tape`] and never by a tensor, so that no operation is recorded on a tape whose backward pass never runs.
 
 use super::real::Real;
 use dfdx::prelude::{Backward, Cpu, Gradients, OwnedTape, PutTape, Tape as _, Tensor, TensorFromVec};
@@ -22,33 +22,33 @@ pub struct Matrix<T: Real = f32> {
 }
 
 impl<T: Real> Matrix<T> {
-    /// Creates a matrix without a gradient.
+    /// Creates a constant matrix (without gradient).
     pub fn constant(rows: usize, cols: usize, value: Vec<T>) -> Self {
         assert_eq!(value.len(), rows * cols, "a matrix holds rows x cols numbers");
         Self { rows, cols, value: Arc::new(value), name: name(cols), tracked: false }
     }
 
-    /// Creates a matrix with a gradient.
+    /// Creates a trainable matrix (with gradient).
     pub fn parameter(rows: usize, cols: usize, value: Vec<T>) -> Self {
         Self { tracked: true, ..Self::constant(rows, cols, value) }
     }
 
-    /// Returns its numbers.
+    /// Returns the entries.
     pub fn value(&self) -> &[T] {
         &self.value
     }
 
-    /// Returns its numbers, to change; for the tape it stays the same matrix.
+    /// Returns the entries for modification; the matrix keeps its identity on the tape.
     pub fn value_mut(&mut self) -> &mut Vec<T> {
         Arc::make_mut(&mut self.value)
     }
 
-    /// Returns true if a gradient reaches it.
+    /// Returns true if a gradient is computed for it.
     pub fn tracked(&self) -> bool {
         self.tracked
     }
 
-    /// Returns the same numbers in another shape: rows one after the other.
+    /// Returns the same entries, in row-major order, in another shape.
     pub(crate) fn shaped(&self, rows: usize, cols: usize, tracked: bool) -> Self {
         assert_eq!(rows * cols, self.rows * self.cols, "a reshaped matrix keeps its numbers");
         Self { rows, cols, value: self.value.clone(), name: name(cols), tracked }
@@ -60,22 +60,22 @@ fn name<T: Real>(cols: usize) -> Tensor<(usize, usize), T, Cpu> {
     DEVICE.with(|device| device.tensor_from_vec(Vec::new(), (0, cols)))
 }
 
-/// Gradients of a pass.
+/// Gradients of a backward pass.
 pub struct Grads<'a, T: Real = f32>(&'a mut Gradients<T, Cpu>);
 
 impl<T: Real> Grads<'_, T> {
-    /// Returns the gradient of `matrix`, to add to; None if it has none.
+    /// Returns the gradient of `matrix` to accumulate into; None if it has none.
     pub fn of(&mut self, matrix: &Matrix<T>) -> Option<&mut [T]> {
         if !matrix.tracked {
             return None;
         }
-        // An allocation of the CPU device fails only with the process.
+        // On the CPU an allocation fails only by aborting the process.
         let slot = self.0.get_or_alloc_mut(&matrix.name).ok()?;
         slot.resize(matrix.rows * matrix.cols, T::of(0.0));
         Some(slot)
     }
 
-    /// Adds `values` to the gradient of `matrix`, if it has one; the first ones are taken over as they are.
+    /// Adds `values` to the gradient of `matrix`, if it has one; the first contribution is moved, not copied.
     pub fn add(&mut self, matrix: &Matrix<T>, values: Vec<T>) {
         if !matrix.tracked {
             return;
@@ -89,7 +89,7 @@ impl<T: Real> Grads<'_, T> {
     }
 }
 
-/// Record of a pass.
+/// Record of the operations of a forward pass.
 pub struct Tape<T: Real = f32>(Option<RefCell<OwnedTape<T, Cpu>>>);
 
 impl<T: Real> Tape<T> {
@@ -98,7 +98,7 @@ impl<T: Real> Tape<T> {
         Self(Some(RefCell::default()))
     }
 
-    /// Creates a tape for inference, which records nothing.
+    /// Creates a tape for inference, which does not record.
     pub fn silent() -> Self {
         Self(None)
     }
@@ -108,7 +108,8 @@ impl<T: Real> Tape<T> {
         self.0.is_some() && inputs.iter().any(|m| m.tracked)
     }
 
-    /// Returns the result of an operation on `inputs`. `backward` gets the gradient of the result and adds to those of the inputs.
+    /// Returns the result of an operation on `inputs`. `backward` takes the gradient of the result and adds to those of
+    /// the inputs.
     pub fn result(
         &self,
         inputs: &[&Matrix<T>],
@@ -121,12 +122,13 @@ impl<T: Real> Tape<T> {
         out
     }
 
-    /// Records how the gradient of `out` is passed on.
+    /// Records the backward kernel of `out`.
     pub(crate) fn record(&self, out: &Matrix<T>, backward: impl FnOnce(&mut Grads<T>, Vec<T>) + 'static) {
         let (Some(tape), true) = (&self.0, out.tracked) else { return };
         let name = out.name.clone();
         tape.borrow_mut().add_backward_op(move |gradients| {
-            // The operation that made a matrix runs after all that used it: its gradient is complete, and not needed again.
+            // The backward kernel of a matrix runs after those of all its uses: its gradient is complete and not needed
+            // again.
             let own = std::mem::take(&mut **gradients.get_or_alloc_mut(&name)?);
             if !own.is_empty() {
                 backward(&mut Grads(gradients), own);
@@ -135,7 +137,8 @@ impl<T: Real> Tape<T> {
         });
     }
 
-    /// Returns the gradients of the 1 x 1 matrix `loss` with respect to `parameters`, in their order; zeros where none arrived.
+    /// Returns the gradients of the 1 x 1 matrix `loss` with respect to `parameters`, in their order; zeros where
+    /// `loss` does not depend on one.
     pub fn backward(self, loss: &Matrix<T>, parameters: &[Matrix<T>]) -> Vec<Vec<T>> {
         let mut tape = self.0.map(RefCell::into_inner).unwrap_or_default();
         let name = loss.name.clone();

@@ -1,11 +1,12 @@
-//! Grasps that the network keeps where its error is bounded, and those that it hands over.
+//! Number and error of the grasps that the network keeps under a bound on its predicted error; the others fall back to
+//! finite elements.
 
 use super::Judged;
 use crate::net::eval::table::FROM_LOAD;
 use crate::stats::Spread;
 use serde::Serialize;
 
-/// Bounds of the error that are looked at.
+/// Bounds on the error that are evaluated.
 const BOUNDS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 
 /// Outcome of `error_at_most` on judged grasps.
@@ -13,15 +14,16 @@ const BOUNDS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 pub struct Acceptance {
     /// Largest error of the displacement that is accepted, relative.
     pub error_at_most: f64,
-    /// Part of the grasps that the network keeps: whose interval is as narrow in all frames.
+    /// Fraction of the grasps that the network keeps: those whose prediction interval is within the bound in all
+    /// frames.
     pub kept: f64,
-    /// Median error of their displacement, relative; zero without any.
+    /// Median relative error of their displacement, from [`FROM_LOAD`] on; zero if there are none.
     pub median: f64,
-    /// Worst error of their displacement, relative; zero without any.
+    /// Largest relative error of their displacement, from [`FROM_LOAD`] on; zero if there are none.
     pub worst: f64,
 }
 
-/// Returns what each of some bounds would do; empty where the network knows its error of no grasp.
+/// Returns the outcome of several bounds; empty if no grasp has a prediction interval.
 pub fn acceptances(judged: &[Judged]) -> Vec<Acceptance> {
     let widest = |j: &Judged| j.frames.iter().map(|frame| frame.bound.displacement).fold(0.0, f64::max);
     let widest: Vec<f64> = judged.iter().map(widest).collect();

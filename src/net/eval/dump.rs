@@ -1,8 +1,9 @@
-//! Inputs and answers of a network for one grasp, as plain arrays (`.npz`), against which a second implementation can be checked.
+//! Inputs and outputs of a network for one grasp, as plain arrays (`.npz`), to check a second implementation against.
 //!
-//! Those of the face network are named in [`crate::net::infer::inputs`]. Of the paper's network rows are as in
-//! [`crate::net::features::volume`], a sparse map NAME is `NAME_at` (entries, 2: row, column) and `NAME_weight`, and edges are (edges, 2:
-//! sender, receiver). Answers are in the network's units, rows as in [`crate::net::network::NetworkOutput`].
+//! The arrays of the face network are those of [`crate::net::infer::inputs`]. Those of the paper's network have the
+//! rows of [`crate::net::features::volume`]; a sparse map NAME is stored as `NAME_at` (entries, 2: row, column) and
+//! `NAME_weight`, edges as (edges, 2: sender, receiver). Outputs are in the network's units, with the rows of
+//! [`crate::net::network::NetworkOutput`].
 
 use crate::error::Result;
 use crate::files::atomic::replace;
@@ -19,14 +20,14 @@ use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
 
-/// Named arrays on their way to a file.
+/// Named arrays of a file.
 #[derive(Default)]
 struct Arrays {
     numbers: Vec<(String, ArrayD<f32>)>,
     indices: Vec<(String, ArrayD<u32>)>,
 }
 
-/// Adds arrays to others.
+/// Appends `arrays` to `to`.
 fn extend<T>(to: &mut Vec<(String, ArrayD<T>)>, arrays: Vec<Array<T>>) {
     let shaped =
         |array: Array<T>| Some((array.name.to_string(), ArrayD::from_shape_vec(array.shape, array.numbers).ok()?));
@@ -53,7 +54,7 @@ impl Arrays {
 
     /// Adds the inputs of the paper's network.
     fn paper(&mut self, inputs: &Inputs, sample: &Sample, volume: &Volume, norms: &VolumeNormalisers, sizes: &Paper) {
-        // The shared block cannot tell how often it is passed.
+        // The weights, which all rounds share, do not contain the number of rounds.
         self.matrix("rounds", &Matrix::constant(1, 1, vec![sizes.rounds.get() as f32]));
         let contact: Vec<f32> = sample.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         self.matrix("node", &inputs.matrix(&volume.node, &norms.node, &VOLUME_NODE));
@@ -68,7 +69,7 @@ impl Arrays {
     }
 }
 
-/// Writes the inputs and answers of `predictor` for the grasp of `sample` at its forces.
+/// Writes the inputs and outputs of `predictor` for the grasp of `sample` at its forces.
 ///
 /// # Errors
 /// Fails if the file cannot be written.

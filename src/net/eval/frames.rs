@@ -1,4 +1,4 @@
-//! Truth and prediction of a grasp of a data set, as frames of the hand frame.
+//! Truth and prediction of a grasp of a data set, as frames in hand axes.
 
 use crate::dataset::inspect::frame;
 use crate::dataset::{ObjectFile, StoredGrasp};
@@ -14,11 +14,11 @@ use crate::world::components::ObjectPose;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Returns the frames `wanted` of `grasp` as finite elements found them, and as `predictor` sees them from first contact; `model`
-/// is that of `file`.
+/// Returns the frames `wanted` of `grasp` as simulated by finite elements, and as predicted by `predictor` from first
+/// contact; `model` is that of `file`.
 ///
 /// # Errors
-/// Fails if first contact can no longer be found, and if predicted numbers are not finite.
+/// Fails if first contact cannot be found, or if predicted numbers are not finite.
 pub fn both(
     file: &ObjectFile,
     model: &Arc<Model>,
@@ -40,7 +40,7 @@ pub fn both(
     Ok([truth, predicted])
 }
 
-/// Returns the prediction as a frame in the hand frame.
+/// Returns the prediction as a frame in hand axes.
 fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[PadState], object: ObjectPose) -> Frame {
     let pads = file.sizes.pads;
     let pad = |(i, state): (usize, &PadState)| {

@@ -1,4 +1,4 @@
-//! Errors of a trained model on grasps that it has not seen.
+//! Errors of a trained model on test grasps.
 
 pub mod acceptance;
 pub mod dump;
@@ -30,21 +30,21 @@ pub struct Peak {
     pub displacement: f64,
 }
 
-/// Judgement of a grasp.
+/// Evaluation of one grasp.
 #[derive(Debug, Clone)]
 pub struct Judged {
     /// Errors, one entry per frame.
     pub frames: Vec<FrameError>,
     /// Truth and prediction at the last frame.
     pub peaks: [Peak; 2],
-    /// Time of the network: the pass per grasp, and all load levels, s.
+    /// Time of the network, s: for the pass per grasp, and for all load levels.
     pub time_s: [f64; 2],
 }
 
-/// Judges `predictor` on the test grasps of `split`.
+/// Evaluates `predictor` on the test grasps of `split`.
 ///
 /// # Errors
-/// Fails if data cannot be read, or lies outside the range that the model was trained on.
+/// Fails if data cannot be read or, without `extrapolate`, if pad or gel law is outside the range of the training.
 pub fn judge(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Judged>> {
     let samples = test_grasps(set, predictor, split, extrapolate)?;
     samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
@@ -53,7 +53,7 @@ pub fn judge(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: boo
 /// Reads the test grasps of `split`.
 ///
 /// # Errors
-/// Fails as [`judge`] does.
+/// Fails in the cases of [`judge`].
 pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Sample>> {
     let poses = data::split(&[&set.splits], split)?.remove(0).test;
     if !extrapolate {
@@ -64,7 +64,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
     if !extrapolate {
-        // Another pad, law or kind of object is refused; the errors are for the numbers as they are.
+        // Refuses another gel law; other quantities may lie outside the range.
         predictor.card.range.clone().extend(&range)?;
     }
     Ok(samples)

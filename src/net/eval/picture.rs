@@ -1,4 +1,4 @@
-//! Pictures of truth above prediction, with the same scales of colours and arrows.
+//! Pictures of truth above prediction, with the same colour and arrow scales.
 
 use crate::dataset::ObjectFile;
 use crate::error::{Error, Result};
@@ -6,7 +6,7 @@ use crate::record::Frame;
 use crate::render::{Pixmap, Scalar, Style, WIDTH, longest_arrow, render_pads};
 use tiny_skia::{PixmapPaint, Transform};
 
-/// Draws a frame of grasp `number` and its prediction.
+/// Draws a frame of grasp `number` above its prediction.
 ///
 /// # Errors
 /// Fails if the frame cannot be drawn.

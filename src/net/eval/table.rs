@@ -1,4 +1,4 @@
-//! Medians, 90th percentiles and worst values, over all frames and by object, load and frame.
+//! Medians, 90th percentiles and worst values of the errors, over all frames and by object, load and frame.
 
 use super::{FrameError, Judged};
 use crate::net::eval::rank::kendall;
@@ -7,18 +7,18 @@ use crate::stats::Spread;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Part of the last force below which frames are left out of the tables that do not go by load: deformation is almost zero there,
-/// and relative errors say little.
+/// Fraction of the last force below which frames are excluded from the groups `all` and `object`: deformation is almost
+/// zero there, so that relative errors are meaningless.
 pub const FROM_LOAD: f64 = 0.2;
 
 /// Error of one quantity over one group of frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorRow {
-    /// Split that was judged.
+    /// Evaluated split.
     pub split: String,
     /// Group: `all`, `object NAME`, `load 20-40 %`, `frame K`.
     pub group: String,
-    /// Quantity; a name without unit is relative.
+    /// Quantity; relative if its name has no unit.
     pub quantity: &'static str,
     /// Median.
     pub median: f64,
@@ -28,13 +28,13 @@ pub struct ErrorRow {
     pub worst: f64,
     /// Number of frames.
     pub samples: usize,
-    /// Part of the frames with an interval whose error is within it; None without any.
+    /// Fraction of the frames with a prediction interval whose error is within it; None if there are none.
     pub covered: Option<f64>,
-    /// Median end of the intervals.
+    /// Median upper end of the intervals.
     pub interval: Option<f64>,
 }
 
-/// Quantity, the function that reads it, and that which reads the end of its interval.
+/// Name of a quantity, and functions that return its error and the upper end of its prediction interval.
 type Quantity = (&'static str, fn(&FrameError) -> f64, fn(&ErrorBound) -> Option<f64>);
 
 const QUANTITIES: [Quantity; 11] = [
@@ -92,7 +92,8 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     groups.iter().flat_map(row).collect()
 }
 
-/// Returns Kendall's tau of the grasps by peak stress and by peak displacement of their last frame.
+/// Returns Kendall's tau between truth and prediction, of the grasps ranked by peak stress and by peak displacement of
+/// their last frame.
 pub fn ranks(judged: &[Judged]) -> (f64, f64) {
     let list =
         |which: usize, pick: fn(&super::Peak) -> f64| judged.iter().map(|j| pick(&j.peaks[which])).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! Features of a load: the equilibrium at rest under it, and the projected contact, node by node.
+//! Features of a load: the rigid-object equilibrium under it, and the projected contact, node by node.
 
 use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
@@ -11,46 +11,47 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Features of a node at a load. Features of the equilibrium: pressed over depth (negative is a gap), pressed, share of the force,
-/// displacement over depth. Features of the projected contact: share of the force, the part of it that acts along the face, and the
-/// linear response over depth.
+/// Features of a node at a load. From the equilibrium: penetration required by the object over depth (negative for a
+/// gap), penetration, fraction of the force, displacement over depth. From the projected contact: fraction of the
+/// force, tangential over normal force, and the linear response over depth with its gradient along x and y.
 pub const NODE_LOAD: [Parity; 18] = [Even, Even, Even, X, Y, Even, Even, X, Y, X, Y, Even, Even, XY, X, XY, Even, Y];
-/// Features of a pad at a load: logarithm and cube root of the force, depth, area that carries it, centre of pressure, pull along the face
-/// and twist over the force, travel over depth, the travel that the projected contact adds, motion of the object over depth, force and
-/// torque of weight and push on the object over the force.
+/// Features of a pad at a load: logarithm and cube root of the force, depth, effective contact area, centre of
+/// pressure, tangential force and twist over the force, travel over depth, additional travel of the projected contact
+/// over depth, motion of the object over depth, force and torque of weight and push on the object over the force.
 pub const PAD_LOAD: [Parity; 23] =
     [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY, X, Y, Even, Y, X, XY];
 
-/// Share of the force below which a node hardly touches.
+/// Fraction of the force that regularises the ratio of tangential to normal force.
 const FAINT: f64 = 1e-3;
-/// Largest force along the face over the pressing force: for a wall that stands on the face it would have no bound.
+/// Largest ratio of a tangential to a normal force: where the surface of the object is perpendicular to the face, it
+/// would be unbounded.
 const STEEPEST: f64 = 3.0;
 
-/// Features of some load levels of a grasp; levels one after the other, then pads, then nodes.
+/// Features of some load levels of a grasp, ordered by level, then pad, then node.
 #[derive(Debug, Clone, Default)]
 pub struct LoadFeatures {
     /// Features of nodes (levels * pads * face nodes, [`NODE_LOAD`]).
     pub node: Vec<f32>,
     /// Features of pads (levels * pads, [`PAD_LOAD`]).
     pub pad: Vec<f32>,
-    /// Force per finger over `E t^2`, and push on the object over that and the thickness: (levels).
+    /// Force per finger over `E t^2`, and push on the object (force over `E t^2`, torque over `E t^3`): (levels).
     pub load: Vec<GraspLoad>,
-    /// Flags: a free object is still held where it is: (levels).
+    /// Flags: a free object is still supported and does not move: (levels).
     pub held: Vec<bool>,
     /// Pressing force of each pad over `E t^2`: (levels * pads).
     pub pressing: Vec<f64>,
-    /// Mean displacement where the force acts, m: (levels * pads).
+    /// Mean displacement of the nodes, weighted by their forces, m: (levels * pads).
     pub depth: Vec<f64>,
     /// Travel of the equilibrium, m: (levels * pads).
     pub travel: Vec<f64>,
-    /// Motion of the object in the equilibrium, m and rad, axes of each pad: (levels * pads, 6).
+    /// Motion of the object in the equilibrium, m and rad, in the frame of each pad: (levels * pads, 6).
     pub motion: Vec<f64>,
-    /// Balances of a free object between two pads: (levels); empty otherwise.
+    /// Equilibrium conditions of a free object between two pads: (levels); empty otherwise.
     pub balance: Vec<Arc<ObjectBalance>>,
 }
 
 impl LoadFeatures {
-    /// Returns the features of the levels that `wanted` numbers.
+    /// Returns the features of the levels with the indices `wanted`.
     pub fn levels(&self, wanted: &[usize]) -> Self {
         let count = self.load.len();
         Self {
@@ -66,22 +67,22 @@ impl LoadFeatures {
         }
     }
 
-    /// Returns the pressing force over `E t^2` over depth over thickness: (levels * pads).
+    /// Returns the ratio of pressing force over `E t^2` to depth over thickness: (levels * pads).
     pub fn scale(&self, features: &GraspFeatures) -> Vec<f32> {
         let t = features.graph.thickness;
         self.pressing.iter().zip(&self.depth).map(|(force, depth)| (force * t / depth) as f32).collect()
     }
 }
 
-/// Projected contact of a pad under a load; values of each face node, over the thickness and `E t^2`.
+/// Projected contact of a pad under a load; values per face node, over the thickness and `E t^2`.
 struct ProjectedContact {
-    /// State of each node that the equilibrium asks for.
+    /// Required state of each node according to the equilibrium.
     touching: Vec<Touching>,
     /// Displacement under the forces of the equilibrium.
     moved: Vec<DVec3>,
     /// Contact force.
     force: Vec<DVec3>,
-    /// Additional closing of the pad that it needs.
+    /// Additional travel of the pad that it requires.
     closer: f64,
     /// Displacement under these forces.
     given: Vec<DVec3>,
@@ -117,7 +118,7 @@ impl GraspFeatures {
         loads
     }
 
-    /// Computes the projected contact of pad `p` from the forces of the equilibrium.
+    /// Computes the projected contact of pad `p`, starting from the forces of the equilibrium.
     fn contacts(&self, p: usize, rests: &[Rest]) -> Vec<ProjectedContact> {
         let graph = &self.graph;
         let count = graph.face.len();
@@ -142,7 +143,7 @@ impl GraspFeatures {
         parts.map(of).collect()
     }
 
-    /// Returns the places at which the forces of pad `p` act.
+    /// Returns the pressing force of pad `p`, and where and in what parts it acts.
     fn pressed(&self, p: usize, load: &GraspLoad, rest: &Rest, contact: &ProjectedContact) -> Pressed {
         let places =
             self.graph.rest.iter().zip(&contact.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
@@ -153,7 +154,7 @@ impl GraspFeatures {
         }
     }
 
-    /// Adds pad `p` under the last force, all over the thickness and `E t^2`.
+    /// Appends the features of pad `p` under the last load, all over the thickness and `E t^2`.
     fn load_pad(&self, p: usize, rest: &Rest, contact: &ProjectedContact, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
         let load = loads.load[loads.load.len() - 1];
@@ -165,7 +166,7 @@ impl GraspFeatures {
         let (mut center, mut uneven, mut pull, mut twist) = (DVec3::ZERO, 0.0, DVec3::ZERO, 0.0);
         for (i, push) in projected.iter().enumerate() {
             let (at, basis, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
-            // Next to nothing where next to nothing presses: the edge of the contact is not sharp.
+            // The offset makes the ratio vanish smoothly at the edge of the contact, where the normal force vanishes.
             let sideways = *push / (-push.z.min(0.0) + FAINT * force);
             let sideways = sideways.truncate().clamp_length_max(STEEPEST);
             let [x, y, z] = (moved[i] / depth).to_array();
@@ -184,7 +185,7 @@ impl GraspFeatures {
             let given = given.into_iter().chain(along_x.to_array()).chain(along_y.to_array());
             loads.node.extend(row.into_iter().chain(share).chain(given).map(|v| v as f32));
         }
-        // The area on which an even pressure is as large: a node that hardly presses hardly counts.
+        // Area of a uniform pressure with the same sum of squares; weakly loaded nodes hardly contribute.
         let area = pull.z.powi(2) / uneven.max(1e-12);
         let travel = rest.travel[p];
         let (shift, turn) = (to_pad * rest.shift, to_pad * rest.rotation.to_scaled_axis());

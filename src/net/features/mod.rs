@@ -1,8 +1,9 @@
-//! Features of a grasp. Only this module makes features, for training and inference alike.
+//! Features of a grasp, computed by this module alone, for training and inference alike.
 //!
-//! All numbers are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E; quasi-static elasticity
-//! knows no other scale, so modulus and thickness need not be learnt. The features of every pad are in its own frame. Each feature
-//! says how it changes when the scene is mirrored (x -> -x or y -> -y of the pad): see [`Parity`].
+//! All features are dimensionless: lengths over the pad's thickness t, forces over `E t^2`, stresses over E.
+//! Quasi-static elasticity has no other scale, so modulus and thickness need not be learnt. The features of every pad
+//! are in its own frame. The [`Parity`] of each feature states how it changes when the scene is mirrored (x -> -x or y
+//! -> -y of the pad).
 
 pub mod loads;
 pub mod normalise;
@@ -23,16 +24,16 @@ use crate::world::components::ObjectPose;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// Signs under x -> -x and y -> -y.
+/// Sign change of a feature under the mirrors x -> -x and y -> -y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parity {
-    /// No change under either mirror.
+    /// No sign change.
     Even,
-    /// Change of sign with x.
+    /// Sign change under x -> -x.
     X,
-    /// Change of sign with y.
+    /// Sign change under y -> -y.
     Y,
-    /// Change of sign with either.
+    /// Sign change under each mirror, none under both.
     XY,
 }
 
@@ -53,36 +54,39 @@ use Parity::{Even, X, XY, Y};
 
 /// Parities of a vector: (x, y, z).
 pub const VECTOR: [Parity; 3] = [X, Y, Even];
-/// Parities of a rotation vector: a mirror reverses the components that lie in it.
+/// Parities of a rotation vector (an axial vector): a mirror reverses the components that lie in its plane.
 pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
-/// Version of the features. It is raised whenever a feature changes its meaning: a network reads only the features of its training.
+/// Version of the features, increased whenever the meaning of one changes; a network accepts only the version of its
+/// training.
 pub const VERSION: u32 = 8;
 
-/// Features of a face node: x, y; three gap scales and the gap; object normal where the finger meets it; the object's
-/// distance and normal when the undeformed pad has closed by 0, 0.25 and 0.6 thicknesses; height, spacing; way to the rim and its length;
-/// the least gap around the node, below its own, as it fades, and where it is.
+/// Features of a face node: x, y; the gap along the closing direction and its decay at three scales; normal of the
+/// object where the node would meet it; distance to the object and its normal when the undeformed pad has closed by 0,
+/// 0.25 and 0.6 thicknesses; height, spacing; vector to the rim and its length; the smallest gap around the node: the
+/// difference to its own, its decay at two scales, its position.
 pub const NODE: [Parity; 31] = [
     X, Y, Even, Even, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, X, Y, Even, Even, Even, X, Y,
     Even, Even, Even, Even, X, Y,
 ];
 /// Features of an edge: relative position and its length.
 pub const EDGE: [Parity; 4] = [X, Y, Even, Even];
-/// Features of a pad: Poisson's ratio, friction, the object's weight on it; length, width and mean spacing; one if the object is free.
+/// Features of a pad: Poisson's ratio, friction, weight of the object; length, width and mean spacing; 1 if the object
+/// is free.
 pub const PAD: [Parity; 9] = [Even, Even, X, Y, Even, Even, Even, Even, Even];
-/// Depths to which the undeformed pad is closed into the object, over its thickness.
+/// Depths by which the undeformed pad is moved into the object, over its thickness.
 const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
-/// Distance from the rim over the thickness, beyond which it does not matter.
+/// Largest distance to the rim, over the thickness; larger ones are clamped.
 const INSIDE: f64 = 1.5;
-/// Gap over the thickness, beyond which all gaps look the same to the pad.
+/// Largest gap, over the thickness; larger ones are clamped.
 const FAR: f64 = 2.5;
-/// Lengths over which a gap fades, over the thickness.
+/// Decay lengths of the gap, over the thickness.
 const FADES: [f64; 3] = [0.05, 0.2, 0.8];
 
-/// Features of a grasp; pads one after the other, left first.
+/// Features of a grasp, ordered by pad, left first.
 #[derive(Debug, Clone)]
 pub struct GraspFeatures {
-    /// Graph of a pad; both pads are alike.
+    /// Graph of a pad; both pads are identical.
     pub graph: Arc<PadGraph>,
     /// Number of pads.
     pub pads: usize,
@@ -92,20 +96,20 @@ pub struct GraspFeatures {
     pub edge: Vec<f32>,
     /// Features of pads (pads, [`PAD`]).
     pub pad: Vec<f32>,
-    /// Matrix of the mean over the face of each pad: (pads, pads * face nodes).
+    /// Matrix of the area-weighted mean over the face of each pad: (pads, pads * face nodes).
     pub mean: Arc<Sparse>,
-    /// Matrix of the mean weighted by nearness to the object.
+    /// The same, weighted also by proximity to the object.
     pub near: Arc<Sparse>,
-    /// Graph of the whole pads and the object, for a network that passes messages there.
+    /// Graph of the full pads and the object, for a network that passes messages there.
     pub volume: Option<Arc<Volume>>,
-    /// Model that is grasped, and its first contact.
+    /// Model of the grasp.
     pub model: Arc<Model>,
     pub(crate) touch: GeometricContact,
     /// Young's modulus, Pa.
     pub young: f64,
-    /// Equilibrium of the grasp on pads with a linear response.
+    /// Equilibrium of the rigid object between linearly elastic pads.
     pub equilibrium: Arc<RigidEquilibrium>,
-    /// Rotations from hand axes to those of each pad.
+    /// Rotations from hand axes to the frame of each pad.
     pub to_pad: Vec<DMat3>,
 }
 
@@ -189,11 +193,11 @@ pub fn edge_features(graph: &PadGraph) -> Vec<f32> {
     graph.edges.list.iter().flat_map(of).collect()
 }
 
-/// View of the object from a pad at first contact.
+/// Queries of the object from a pad at first contact.
 struct View<'a> {
     model: &'a Model,
     placement: &'a FingerPlacement,
-    /// Way of the pad since the open hand.
+    /// Displacement of the pad since the hand was open.
     carried: DVec3,
     object: ObjectPose,
     inverse: DMat3,
@@ -223,17 +227,17 @@ impl<'a> View<'a> {
         self.placement.rotation.transpose() * place
     }
 
-    /// Returns signed distance, m, and normal in the pad frame.
+    /// Returns signed distance, m, and normal of the object in the pad frame, at a point in the object frame.
     fn look(&self, at: DVec3) -> (f64, DVec3) {
         let closest = self.model.object.distance.closest(at, f64::INFINITY);
         closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
     }
 
-    /// Returns the way along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
+    /// Returns the distance along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
     fn gap(&self, from: DVec3, far: f64) -> f64 {
         let distance = |t: f64| self.model.object.distance.distance(from + self.closing * t);
         let mut t = 0.0;
-        // A grazing ray is close enough when the cap ends it.
+        // A grazing ray that reaches this limit is close enough to the object.
         for _ in 0..64 {
             let d = distance(t);
             t += d;
@@ -245,7 +249,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Returns the rows that `wanted` numbers, out of `count` equal ones.
+/// Returns the rows of the blocks with the indices `wanted`, out of `count` blocks of equal size.
 pub(crate) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()

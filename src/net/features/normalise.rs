@@ -1,14 +1,14 @@
-//! Normalisation of features to mean 0 and variance 1, with the statistics of the training set only. Features are also held within
-//! the bounds of the training: the answer of a network to numbers that it never met may be off by orders of magnitude.
+//! Normalisation of features to mean 0 and variance 1, with the statistics of the training set only. Features are also
+//! clamped to the bounds of the training set: outside them a network may be wrong by orders of magnitude.
 
 use super::Parity;
 use serde::{Deserialize, Serialize};
 
-/// Largest number that a card may hold.
+/// Largest number allowed in a card.
 pub(crate) const MOST: f64 = 1e30;
 
-/// Deviation of a feature below which its changes are not magnified. Features are dimensionless; a feature that hardly varies in a
-/// training set would otherwise make a network unstable where it does vary.
+/// Smallest deviation by which a feature is divided. Features are dimensionless; amplifying one that hardly varies in a
+/// training set would make the network unstable where it does vary.
 const SMALL: f64 = 1e-3;
 
 /// Mean, scale and extremes of each column.
@@ -17,11 +17,11 @@ const SMALL: f64 = 1e-3;
 pub struct Normaliser {
     mean: Vec<f32>,
     scale: Vec<f32>,
-    /// Smallest and largest value.
+    /// Smallest and largest value in the training set.
     seen: Vec<[f32; 2]>,
 }
 
-/// Stored form of a normaliser in a card; columns of older cards have no bounds.
+/// Stored form of a normaliser in a card; older cards have no bounds.
 #[derive(Deserialize)]
 struct Stored {
     mean: Vec<f32>,
@@ -38,7 +38,8 @@ impl From<Stored> for Normaliser {
 }
 
 impl Normaliser {
-    /// Fits the rows of a training set. A column that changes sign in a mirror has mean zero, so that mirroring commutes.
+    /// Fits the rows of a training set. A column that changes sign under a mirror has mean zero, so that normalisation
+    /// commutes with mirroring.
     pub fn fit<'a>(sets: impl Iterator<Item = &'a [f32]> + Clone, parity: &[Parity]) -> Self {
         let all = sets.clone();
         let cols = parity.len();
@@ -53,7 +54,7 @@ impl Normaliser {
         let mean = |c: usize| if parity[c] == Parity::Even { sum[c] / f64::max(count, 1.0) } else { 0.0 };
         let scale = |c: usize| {
             let deviation = (square[c] / f64::max(count, 1.0) - mean(c).powi(2)).max(0.0).sqrt();
-            // A column that never changes says nothing: it becomes zero.
+            // A constant column carries no information and is set to zero.
             if deviation > 1e-6 * mean(c).abs().max(1e-6) { deviation.max(SMALL) } else { f64::INFINITY }
         };
         let inverse = |c: usize| (1.0 / scale(c)) as f32;
@@ -61,7 +62,8 @@ impl Normaliser {
         Self { mean, scale, seen: Vec::new() }.reaching(all, parity)
     }
 
-    /// Extends the bounds to the rows of these sets. The bounds of a column that changes sign in a mirror are symmetric.
+    /// Extends the bounds to the rows of these sets. The bounds of a column that changes sign under a mirror are
+    /// symmetric.
     pub fn reaching<'a>(mut self, sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
         self.seen.resize(parity.len(), [f32::INFINITY, f32::NEG_INFINITY]);
         for row in sets.flat_map(|s| s.chunks_exact(parity.len())) {
@@ -74,7 +76,7 @@ impl Normaliser {
         self
     }
 
-    /// Checks that training can give such values for `cols` columns of the field `name`. The error says what is wrong.
+    /// Checks that the values of the field `name`, of `cols` columns, are valid. The error states what is wrong.
     pub(crate) fn check(&self, name: &str, cols: usize) -> Result<(), String> {
         let lengths = [self.mean.len(), self.scale.len(), self.seen.len()];
         if lengths != [cols; 3] {
@@ -87,7 +89,7 @@ impl Normaliser {
         if let Some(bad) = self.scale.iter().find(|v| !plain(v) || **v < 0.0) {
             return Err(format!("`normalisers.{name}.scale` holds {bad}; allowed: 0 to {MOST:e}"));
         }
-        // Both ends are open in a card of earlier times.
+        // The bounds of an older card are infinite.
         let bounds =
             |[low, high]: [f32; 2]| (plain(&low) && plain(&high) && low <= high) || (low < high && high == -low);
         match self.seen.iter().find(|seen| !bounds(**seen)) {
@@ -98,7 +100,7 @@ impl Normaliser {
         }
     }
 
-    /// Returns normalised rows, mirrored first.
+    /// Returns normalised rows, after mirroring them.
     pub fn apply(&self, rows: &[f32], parity: &[Parity], mirror: (bool, bool)) -> Vec<f32> {
         let column = |c: usize| (parity[c].sign(mirror), self.seen[c], self.mean[c], self.scale[c]);
         let columns: Vec<_> = (0..parity.len()).map(column).collect();
@@ -118,7 +120,7 @@ impl Normaliser {
     }
 }
 
-/// Returns `v` clamped to its bounds. A value that is not a number stays so and is found later.
+/// Returns `v` clamped to its bounds. NaN is preserved and detected later.
 fn clamped(v: f32, [low, high]: [f32; 2]) -> f32 {
     if v < low {
         low

@@ -1,16 +1,16 @@
-//! Pads in numbers, and the range of those of a training.
+//! Dimensions of pads, and their range in a training set.
 
 use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Pad in numbers.
+/// Dimensions of a pad.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
     /// Size along the approach, along the finger's width, and through the gel with its dome, m.
     pub size: [f64; 3],
-    /// Mean edge of the elements on the sensing face, m.
+    /// Mean edge length of the elements on the sensing face, m.
     pub spacing: f64,
     /// Number of nodes.
     pub nodes: usize,
@@ -27,7 +27,8 @@ impl Sensor {
             0.5 * (b - a).cross(c - a).length()
         };
         let mean = pad.sensing.iter().map(area).sum::<f64>() / pad.sensing.len().max(1) as f64;
-        // A cell of the face is two triangles; of a 6-node triangle, its four parts are listed.
+        // Two triangles form a cell of the face; for 10-node elements the list holds the four parts of each 6-node
+        // triangle.
         let parts = if matches!(pad.elements, ElementNodes::Quadratic(_)) { 2.0 } else { 1.0 };
         Self { size: size.to_array(), spacing: parts * (2.0 * mean).sqrt(), nodes: pad.rest.len() }
     }
@@ -40,14 +41,14 @@ impl fmt::Display for Sensor {
     }
 }
 
-/// Smallest and largest pads of a training, over their thickness, dome included.
+/// Smallest and largest pads of a training set, over their thickness (dome included).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PadRange {
     /// Size along the approach.
     pub length: [f64; 2],
     /// Size along the finger's width.
     pub width: [f64; 2],
-    /// Mean edge of the elements on the sensing face.
+    /// Mean edge length of the elements on the sensing face.
     pub spacing: [f64; 2],
 }
 
@@ -59,7 +60,7 @@ impl PadRange {
         Self { length, width, spacing }
     }
 
-    /// Returns the smallest range that holds both.
+    /// Returns the smallest range that contains both.
     pub fn join(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self {
@@ -69,12 +70,13 @@ impl PadRange {
         }
     }
 
-    /// Numbers with their names.
+    /// Returns the ranges with their names.
     pub fn spans(&self) -> [(&'static str, [f64; 2]); 3] {
         [("length", self.length), ("width", self.width), ("spacing", self.spacing)]
     }
 
-    /// Returns the first number of `other` that lies outside by more than the part `slack`: its name, its value and the range.
+    /// Returns the first dimension of `other` that is outside the range by more than the fraction `slack`: its name,
+    /// its value and the range.
     pub fn refuses(&self, other: &Self, slack: f64) -> Option<(&'static str, f64, [f64; 2])> {
         let own = self.spans().into_iter().zip(other.spans());
         own.map(|((name, range), (_, [value, _]))| (name, value, range))

@@ -1,4 +1,4 @@
-//! Range of the training of a model. The network gives no answer outside of it, or one of unknown error.
+//! Range of a training set. Outside it the network gives no answer, or one of unknown error.
 
 use super::GraspFeatures;
 use super::pad_range::{PadRange, Sensor};
@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize};
 /// Range of the training set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainedRange {
-    /// Hash of the pad's mesh; empty for pads of several kinds.
+    /// Hash of the pad's mesh; empty if there are several kinds of pads.
     pub pad: String,
-    /// Pad in numbers, for messages; older cards have none.
+    /// Dimensions of the pad, for messages; absent in older cards.
     #[serde(default)]
     pub sensor: Option<Sensor>,
-    /// Range of the pads, if they are of several kinds.
+    /// Range of the pads, if there are several kinds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pads: Option<PadRange>,
     /// Law of the gel.
@@ -36,7 +36,7 @@ pub struct TrainedRange {
     pub free: bool,
     /// Number of fingers.
     pub fingers: usize,
-    /// Further kinds of grasps: true if the object was free, and the number of fingers.
+    /// Further kinds of grasps: whether the object was free, and the number of fingers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub others: Vec<(bool, usize)>,
 }
@@ -48,7 +48,7 @@ fn unpushed(push: &[f64; 2]) -> bool {
 /// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
 
-/// Returns true if `value` lies within a range.
+/// Returns true if `value` is within a range, up to rounding.
 fn within(value: f64, [low, high]: [f64; 2]) -> bool {
     (low * (1.0 - SLACK)..=high * (1.0 + SLACK)).contains(&value)
 }
@@ -78,7 +78,7 @@ impl TrainedRange {
     /// Extends the range by `other`.
     ///
     /// # Errors
-    /// Fails for another law: one model serves one.
+    /// Fails for another law: a network is trained for one.
     pub fn extend(&mut self, other: &Self) -> Result<()> {
         if self.material != other.material {
             return Err(Error::Start("the data set mixes gel laws; train one model for each".into()));
@@ -103,15 +103,15 @@ impl TrainedRange {
         Ok(())
     }
 
-    /// Returns the kinds of grasps: true for a free object, and the number of fingers.
+    /// Returns the kinds of grasps: whether the object is free, and the number of fingers.
     fn kinds(&self) -> Vec<(bool, usize)> {
         std::iter::once((self.free, self.fingers)).chain(self.others.iter().copied()).collect()
     }
 
-    /// Checks that the network knows this pad, whose mesh has this hash, or pads on both sides of it.
+    /// Checks that a pad, whose mesh has this hash, was in the training set or has dimensions within its range.
     ///
     /// # Errors
-    /// Fails for another pad; the message gives both in numbers.
+    /// Fails for another pad; the message gives the dimensions of both.
     pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
         match self.pad_outside(pad, hash) {
             None => Ok(()),
@@ -119,7 +119,7 @@ impl TrainedRange {
         }
     }
 
-    /// Returns what about a pad lies outside the range.
+    /// Returns a description of what lies outside the range of pads, if anything does.
     fn pad_outside(&self, pad: &PadTopology, hash: &str) -> Option<String> {
         if hash == self.pad {
             return None;
@@ -137,20 +137,20 @@ impl TrainedRange {
         Some(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
     }
 
-    /// Checks that a grasp of `model`, whose pads have a mesh of this hash, is of a kind that the network can answer, and lies within the
-    /// range under all of its forces, unless it may `extrapolate`. Takes almost no time.
+    /// Checks that a grasp of `model`, whose pads have a mesh with this hash, is of a supported kind and, unless it may
+    /// `extrapolate`, within the range under all of its forces. Takes almost no time.
     ///
     /// # Errors
-    /// Fails if something lies outside; the message says what, by how much, and what to do.
+    /// Fails if something is outside; the message states what, by how much, and what to do.
     pub fn admits(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         self.admits_some(model, hash, extrapolate)?;
         self.forces_outside(model).filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
-    /// Checks as [`TrainedRange::admits`] does, but for forces: one of them within the range is enough.
+    /// Checks like [`TrainedRange::admits`], except that one force within the range is enough.
     ///
     /// # Errors
-    /// Fails if all forces, or something else, lie outside; the message says what, by how much, and what to do.
+    /// Fails if all forces, or something else, are outside; the message states what, by how much, and what to do.
     pub fn admits_some(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         if !model.alike() {
             return refuse("its two pads differ, the network knows pads that are alike".into());
@@ -177,18 +177,19 @@ impl TrainedRange {
         outside.filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
-    /// Returns true if a force over `E thickness^2` lies within the range.
+    /// Returns true if a force over `E thickness^2` is within the range.
     pub fn holds_force(&self, force: f64) -> bool {
         within(force, self.force)
     }
 
-    /// Returns the numbers of the frames of `model` under whose forces the network answers: within the range, all if it may `extrapolate`.
+    /// Returns the indices of the frames of `model` that the network answers: those with forces within the range, or
+    /// all if it may `extrapolate`.
     pub fn frames(&self, model: &Model, extrapolate: bool) -> Vec<usize> {
         let unit = unit(model);
         (0..model.levels.len()).filter(|k| extrapolate || self.holds_force(model.levels[*k] / unit)).collect()
     }
 
-    /// Returns which frames of `model` have forces outside the range; None without any.
+    /// Returns a description of the frames of `model` with forces outside the range; None if there are none.
     pub fn forces_outside(&self, model: &Model) -> Option<String> {
         let (unit, inside) = (unit(model), self.frames(model, false));
         let outside: Vec<usize> = (0..model.levels.len()).filter(|k| !inside.contains(k)).collect();
@@ -205,7 +206,8 @@ impl TrainedRange {
         (!rows.is_empty()).then(|| format!("{} {verb} outside the trained {low:.4} to {high:.4} N", rows.join(" and ")))
     }
 
-    /// Returns the first number of a grasp, whose pads have a mesh of this hash, that lies outside the range whatever its force.
+    /// Returns a description of the first quantity other than the force that is outside the range for a grasp whose
+    /// pads have a mesh with this hash.
     pub fn outside(&self, model: &Model, hash: &str) -> Option<String> {
         let finger = model.fingers.first()?;
         let (moduli, t, unit) = (model.material.moduli(), finger.topology.thickness(), unit(model));
@@ -233,7 +235,7 @@ impl TrainedRange {
         all.into_iter().next()
     }
 
-    /// Checks that training can give such numbers. The error names the field and says what is wrong.
+    /// Checks that the values are valid. The error names the field and states what is wrong.
     pub(crate) fn check(&self) -> std::result::Result<(), String> {
         for (name, [low, high]) in [("poisson", self.poisson), ("friction", self.friction), ("force", self.force)] {
             if !(0.0 <= low && low <= high && high <= MOST) {
@@ -261,14 +263,14 @@ impl TrainedRange {
     }
 }
 
-/// Returns the error that says why the network is not asked.
+/// Returns the error about a scene that the network cannot answer.
 fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
         "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
     )))
 }
 
-/// Returns the error about a number that lies outside the range, which may be answered all the same.
+/// Returns the error about a quantity outside the range, which can still be answered by extrapolation.
 fn untrained(what: String) -> Result<()> {
     Err(Error::Start(format!(
         "the network was not trained for this scene: {what}; use stepper: Fem(), train on such a data set, or let it answer \
@@ -282,7 +284,7 @@ fn unit(model: &Model) -> f64 {
     thickness.map_or(1.0, |t| model.material.moduli().young * t.powi(2))
 }
 
-/// Returns force and torque of the whole push in units of the network.
+/// Returns force and torque of the full push in units of the network.
 fn push(model: &Model, unit: f64, thickness: f64) -> [f64; 2] {
     let whole = model.push.as_ref().map(|push| [push.force.length() / unit, push.torque.length() / (unit * thickness)]);
     whole.unwrap_or_default()

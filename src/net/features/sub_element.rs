@@ -1,30 +1,31 @@
-//! View of the object between the nodes of a pad: the point that a pad meets first may lie between them.
+//! Queries of the object between the nodes of a pad: first contact may be there.
 
 use super::View;
 use crate::geometry::face_lookup::FaceLookup;
 use crate::linear::pad_graph::PadGraph;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-/// Point of the object that is nearest to the face around a node, over the thickness.
+/// Point of the object nearest to the face around a node, over the thickness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     /// Gap along the closing direction.
     pub gap: f64,
-    /// Position of the point of the face that it lies above, from the node, along x and y of the pad.
+    /// Position of the face point below it relative to the node, along x and y of the pad.
     pub offset: DVec2,
 }
 
-/// Gap over the thickness, up to which it matters what lies between nodes.
+/// Gap over the thickness up to which points between nodes are sampled.
 const NEAR: f64 = 0.6;
 
-/// Difference of gaps over the thickness, up to which points are alike.
+/// Difference of gaps, over the thickness, at which the weight of a point falls to 1/e.
 const ALIKE: f64 = 0.01;
 
-/// Returns the nearest points around the face nodes, whose own gaps are `gaps` over the thickness: at the middles of edges and triangles
-/// of the face, and where vertices and sharp edges of the object are.
+/// Returns the nearest points around the face nodes, whose own gaps are `gaps` over the thickness. Samples are the
+/// midpoints of face edges, the centroids of face triangles, and the contact vertices of the object (vertices and
+/// points of sharp edges).
 pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Nearest> {
     let t = graph.thickness;
-    // Points around each node, its own among them: their gaps and where they are.
+    // Samples around each node, including itself: their gaps and offsets.
     let mut seen: Vec<Vec<Nearest>> = gaps.iter().map(|gap| vec![Nearest { gap: *gap, offset: DVec2::ZERO }]).collect();
     let mut enter = |nodes: &[u32], at: DVec3, gap: f64| {
         for i in nodes {
@@ -50,7 +51,7 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
         }
         let corners = lookup.under(at);
         let below: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
-        // Beside the face there is nothing below.
+        // Points outside the face have no face point below them.
         if below.xy().distance(at.xy()) < 1e-6 * t {
             enter(&corners.map(|(i, _)| i), below, (at.z - below.z) / t);
         }
@@ -58,7 +59,8 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
     seen.into_iter().map(|points| least(&points)).collect()
 }
 
-/// Returns the least gap, and the mean of where points are that are next to as near: two that are alike change places without a jump.
+/// Returns the smallest gap, and the mean offset of the points with almost this gap, weighted so that the offset is
+/// continuous when two points exchange order.
 fn least(points: &[Nearest]) -> Nearest {
     let gap = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
     let weighted = points.iter().map(|p| (p.offset, (-(p.gap - gap) / ALIKE).exp()));

@@ -1,11 +1,13 @@
-//! Graph of the tactile paper: every node of the pads, and the object's surface near them, in the frame of the first pad.
+//! Graph of the tactile paper: all nodes of the pads, and the object's surface near them, in the frame of the first
+//! pad.
 //!
 //! ```text
 //! pad nodes o--o--o    mesh edges along the edges of the tetrahedra
-//!            \ : /     contact edges: sensing face <-> object within a thickness (4 mm of GelSight Mini) at first contact
+//!            \ : /     contact edges: sensing face <-> object within one thickness (GelSight Mini: 4 mm)
 //! object    x--x--x    mesh edges of its triangles, split until they are as fine as the pads
 //! ```
-//! The paper's mesh edges give the shape now and at rest; at first contact both are the same, and are given once.
+//! The paper's mesh edges contain the current and the reference shape; at first contact both are the same and are given
+//! once.
 
 use super::Parity;
 use crate::geometry::Aabb;
@@ -22,12 +24,12 @@ use std::sync::Arc;
 
 use Parity::{Even, X, Y};
 
-/// Features of a node: interior, surface or object; closing direction of its finger; position; Poisson's ratio, friction. The
-/// modulus is part of the unit of the forces.
+/// Features of a node: one-hot kind (interior, surface, object); closing direction of its finger; position; Poisson's
+/// ratio, friction. The modulus is part of the unit of force.
 pub const VOLUME_NODE: [Parity; 11] = [Even, Even, Even, X, Y, Even, X, Y, Even, Even, Even];
 /// Features of a mesh edge: relative position and its length.
 pub const MESH_EDGE: [Parity; 4] = [X, Y, Even, Even];
-/// Features of a contact edge: relative position and its length, and its part of the force.
+/// Features of a contact edge: relative position and its length, and its fraction of the force.
 pub const CONTACT_EDGE: [Parity; 5] = [X, Y, Even, Even, Even];
 
 /// Largest length of a contact edge, over the thickness.
@@ -50,7 +52,7 @@ pub struct Volume {
     contact_edge: Vec<f32>,
     /// Map from nodes to pad nodes.
     pub pads: Arc<Sparse>,
-    /// Map from components of vectors on nodes to components in the frame of each pad; no entry for bonded nodes.
+    /// Map from vector components at nodes to components in the frame of each pad; without entries for bonded nodes.
     pub turned: Arc<Sparse>,
     /// Map from nodes to nodes of the sensing faces.
     pub face: Arc<Sparse>,
@@ -120,21 +122,22 @@ impl Volume {
         }
     }
 
-    /// Returns the features of contact edges (contact edges, [`CONTACT_EDGE`]) when each finger closes with `force`, over `E t^2`:
-    /// every edge has an equal part.
+    /// Returns the features of contact edges (contact edges, [`CONTACT_EDGE`]) when each finger closes with `force`,
+    /// over `E t^2`, which is divided equally among the edges.
     pub fn contact_edge(&self, force: f64) -> Vec<f32> {
         let part = (force / (self.contact.list.len() / 2).max(1) as f64) as f32;
         self.contact_edge.chunks_exact(4).flat_map(|row| row.iter().copied().chain([part])).collect()
     }
 }
 
-/// Nodes of the object, and the pairs of them that an edge joins.
+/// Nodes of the object, and the pairs of them that are joined by an edge.
 struct Points {
     points: Vec<DVec3>,
     edges: BTreeSet<(u32, u32)>,
 }
 
-/// Returns the object's surface near the nodes `face` of the pads; `seen` transforms points of the hand frame to that of the graph.
+/// Returns the object's surface near the nodes `face` of the pads; `seen` transforms points from the hand frame to that
+/// of the graph.
 fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
     let surface = &model.object.surface;
     let pose = &touch.object;
@@ -150,7 +153,7 @@ fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3
         if boxes.iter().all(|b| apart(b, &own)) {
             continue;
         }
-        // Its longest edge in the middle.
+        // Bisects the triangle at its longest edge.
         let sides = [(a, b, c), (b, c, a), (c, a, b)];
         let longest = sides.iter().max_by(|s, r| s.0.distance(s.1).total_cmp(&r.0.distance(r.1)));
         if let Some((a, b, c)) = longest.filter(|(a, b, _)| a.distance(*b) > FINE) {
@@ -173,7 +176,7 @@ fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3
     Points { points, edges }
 }
 
-/// Returns the edges of the tetrahedra; a 10-node one has two along each of its sides.
+/// Returns the edges of the tetrahedra; a 10-node tetrahedron has two along each side.
 fn pad_edges(pad: &PadTopology) -> BTreeSet<(u32, u32)> {
     let sorted = |a: u32, b: u32| (a.min(b), a.max(b));
     match &pad.elements {

@@ -1,4 +1,4 @@
-//! Answer of the network for a grasp at some loads, in SI on request.
+//! Output of the network for a grasp at some loads, converted to SI on request.
 
 use super::predict::{GraspState, PadState};
 use super::touch::touched;
@@ -13,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Answer of the network for some load levels of a grasp.
+/// Output of the network for some load levels of a grasp.
 #[derive(Debug)]
 pub struct Answer {
     pub(crate) loads: LoadFeatures,
@@ -21,22 +21,22 @@ pub struct Answer {
     pub(crate) norms: Normalisers,
     pub(crate) graph: Arc<PadGraph>,
     pub(crate) pads: usize,
-    /// True if stress is wanted.
+    /// Flag: stress is required.
     pub(crate) stress: bool,
     /// Young's modulus of the gel, Pa.
     pub(crate) young: f64,
     /// Unit of force of the network, N.
     pub(crate) unit_force: f64,
-    /// Travel at which the predicted faces lie on the object, m: (levels, pads).
+    /// Travel at which the predicted faces touch the object, m: (levels, pads).
     pub(crate) travel: Vec<f64>,
-    /// Signs of the error of each level.
+    /// Error indicators of each level.
     pub(crate) signs: Vec<Signs>,
     pub(crate) interval: Option<Interval>,
-    /// Flags: the interval holds at a level.
+    /// Flags: the prediction interval is valid at a level.
     pub(crate) known: Vec<bool>,
 }
 
-/// Returns the rows of one pad at one level: the `at`th `rows` rows of a matrix.
+/// Returns the block `at` of `rows` rows of a matrix: the rows of one pad at one level.
 fn own(m: &Matrix, at: usize, rows: usize) -> &[f32] {
     &m.value()[at * rows * m.cols..(at + 1) * rows * m.cols]
 }
@@ -59,7 +59,7 @@ impl Answer {
                 own(&out.travel, at, 1),
                 own(&out.motion, at, 1),
             ];
-            // What is not finite stays so in a sum.
+            // `v * 0.0` is NaN for every `v` that is not finite, and a sum preserves NaN.
             let all = |v: &[f32]| v.iter().map(|v| v * 0.0).sum::<f32>() == 0.0;
             let given = [loads.depth[at], loads.travel[at], loads.pressing[at]];
             fields.into_iter().all(all) && given.iter().chain(&loads.motion[6 * at..6 * at + 6]).all(|v| v.is_finite())
@@ -71,7 +71,7 @@ impl Answer {
         mixed(&[(self, level, 1.0)])
     }
 
-    /// Returns the errors of a level that nine of ten such predictions stay below.
+    /// Returns the upper ends of the prediction intervals (90 %) of a level.
     pub(crate) fn error(&self, level: usize) -> ErrorBound {
         let known = self.interval.zip(self.signs.get(level)).filter(|_| self.known[level]);
         known.map_or(ErrorBound::UNKNOWN, |(interval, signs)| interval.at(signs))
@@ -88,14 +88,14 @@ impl Answer {
         })
     }
 
-    /// Returns the travel that the network gives for a pad at a level, m.
+    /// Returns the travel output of the network, m; `at` is the index of pad and level.
     fn head_travel(&self, at: usize) -> f64 {
         let [mean, scale] = self.norms.travel.map(f64::from);
         self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel.value()[at]))
     }
 
-    /// Moves the fingers to where the predicted faces lie on the object: the travel then agrees with field and pose. What does not agree
-    /// is a sign of the error.
+    /// Moves the fingers to where the predicted faces touch the object, so that the travel is consistent with
+    /// displacement field and pose. The remaining mismatch is an error indicator.
     pub(crate) fn touch(&mut self, features: &GraspFeatures) {
         let levels = self.loads.load.len();
         let of = |level: usize| {
@@ -110,7 +110,8 @@ impl Answer {
     }
 }
 
-/// Returns the mean of decoded states, each given by its answer and level with its weight; its error is the largest of theirs.
+/// Returns the linear combination of decoded states, each given by its answer, level and weight; its error is the
+/// largest of theirs.
 pub(crate) fn mixed(parts: &[(&Answer, usize, f64)]) -> GraspState {
     let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
     let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
@@ -134,7 +135,7 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
     for &(answer, level, weight) in parts {
         let Answer { loads, out, norms, graph, .. } = answer;
         let (t, face) = (graph.thickness, graph.face.len());
-        // Rows are levels, then pads.
+        // Rows are ordered by level, then pad.
         let at = level * answer.pads + pad;
         let depth = loads.depth[at] * weight;
         let unit = depth * f64::from(norms.displacement);
@@ -145,11 +146,11 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
         state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
         let unit = loads.pressing[at] * answer.unit_force * weight;
         for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
-            // Shares are of a force against the closing direction, friction in the same unit.
+            // In units of the pressing force: normal component against the closing direction, friction along x and y.
             state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
         }
         state.travel += answer.travel.get(at).map_or_else(|| answer.head_travel(at), |travel| *travel) * weight;
-        // An object that is held stays where it is.
+        // A supported object does not move.
         if loads.held[level] {
             continue;
         }
@@ -158,7 +159,7 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
         state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
         state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
     }
-    // A combination of levels may lie beside them.
+    // Interpolation may overshoot.
     state.stress.iter_mut().for_each(|s| *s = s.max(0.0));
     state
 }

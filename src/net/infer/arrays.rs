@@ -13,14 +13,16 @@ use crate::world::components::ObjectPose;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Calls `put` with name, shape and numbers of each array of those of `answers` under `loads` that are there, one after the other: all of them at once
-/// may not fit in memory. Fields are in the frame of each pad: displacement, contact force (grasps, loads, pads, nodes, 3), stress (grasps,
-/// loads, pads, nodes), if the model needs them; travel (grasps, loads, pads), pose of the object (grasps, loads, 7), errors that nine of
-/// ten such predictions stay below, infinite where unknown (grasps, loads), part of the friction limit that is left (grasps). `grasp` numbers the grasps that have an answer.
-/// What tactile sensors see comes with the names that runs have, (grasps, loads, pads, ...), if the scene records it.
+/// Calls `put` with name, shape and numbers of each available array of `answers` under `loads`, one at a time, since
+/// all of them may not fit in memory. Fields are in the frame of each pad: displacement and contact force (grasps,
+/// loads, pads, nodes, 3), stress (grasps, loads, pads, nodes) if the model requires it; travel (grasps, loads, pads),
+/// pose of the object (grasps, loads, 7), upper ends of the prediction intervals (90 %), infinite where unknown
+/// (grasps, loads), remaining fraction of the friction limit (grasps). `grasp` contains the indices of the grasps that
+/// have an answer. Recordings of tactile sensors have the names used by runs, (grasps, loads, pads, ...), if the scene
+/// records them.
 ///
 /// # Errors
-/// Fails as `put` does.
+/// Fails if `put` fails.
 pub fn each_array<E>(
     model: &Model,
     loads: &[GraspLoad],

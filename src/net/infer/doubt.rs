@@ -1,4 +1,4 @@
-//! Grasps that a network is least sure of: those that finite elements can teach it most about.
+//! Grasps with the largest predicted error, which are the most useful to add to a training set.
 
 use super::predict::Predictor;
 use crate::error::{Error, Result};
@@ -8,11 +8,11 @@ use crate::linear::loads_of;
 use crate::model::Model;
 use crate::scene::Scene;
 
-/// Returns for each grasp of `scene` the error that nine of ten such predictions of the displacement stay below under the last load; zero
-/// for a grasp that cannot start, and infinite outside the range of the training, where it is unknown.
+/// Returns for each grasp of `scene` the upper end of the prediction interval (90 %) of the displacement error under
+/// the last load; zero for a grasp that cannot start, infinite (unknown) outside the range of the training.
 ///
 /// # Errors
-/// Fails if the scene cannot be built, and for a model that knows nothing of its error.
+/// Fails if the scene cannot be built, and for a model without prediction intervals.
 pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[GraspPose]) -> Result<Vec<f64>> {
     if let Some(unknown) = predictor.card.unknown_error() {
         return Err(Error::Start(unknown));

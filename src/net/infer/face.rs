@@ -1,4 +1,4 @@
-//! Face network with packed weights and its own memory.
+//! Face network with packed weights and reused memory.
 
 use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
@@ -15,7 +15,7 @@ use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Result of the pass over a grasp, for every load: the part of the decoder's first layer that no load changes.
+/// Result of the pass over a grasp: the load-independent part of the decoder's first layer.
 #[derive(Debug, Clone, Default)]
 pub struct Code {
     /// Part for nodes (pads * face nodes, padded decoder).
@@ -24,7 +24,7 @@ pub struct Code {
     pub pad: Vec<f32>,
 }
 
-/// Means over a pad and the other one, with a layer on top.
+/// Layer on the means over a pad and over the other pad.
 #[derive(Debug)]
 struct Pools {
     weights: Packed,
@@ -53,11 +53,11 @@ pub struct FaceEngine {
     pad_bias: Vec<f32>,
     heads: Heads,
     normalisers: Normalisers,
-    /// Memory of earlier passes, for reuse.
+    /// Workspaces of earlier passes, for reuse.
     workspaces: Mutex<Vec<Workspace>>,
 }
 
-/// Encoded grasp, and the loads at which it is to be decoded.
+/// Encoded grasp, and the loads at which to decode it.
 #[derive(Debug, Clone, Copy)]
 pub struct Decoding<'a> {
     /// Features of the grasp.
@@ -80,18 +80,18 @@ struct Workspace {
     pool: Vec<f32>,
     global: Vec<f32>,
     response: response::Memory,
-    /// Channels of each grasp that is decoded with others.
+    /// Channels of each grasp of a batch.
     channels: Vec<Channels>,
 }
 
-/// Returns a row, padded with zeros.
+/// Returns a row padded with zeros.
 pub(crate) fn row(of: &[f32]) -> Vec<f32> {
     let mut row = of.to_vec();
     row.resize(padded(row.len()), 0.0);
     row
 }
 
-/// Puts several matrices (rows, cols) side by side, each padded.
+/// Concatenates matrices (rows, cols) horizontally, each padded.
 pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
     let rows = parts[0].0.len() / parts[0].1;
     let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(&w[r * cols..(r + 1) * cols])));
@@ -101,7 +101,8 @@ pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
 }
 
 impl FaceEngine {
-    /// Number of loads to decode together: some share the reading of the weights, more do not fit into the caches.
+    /// Number of loads to decode together: a batch shares each reading of the weights, a larger one does not fit into
+    /// the caches.
     pub const LOADS: usize = 32;
 
     /// Creates the engine from the parameters of a [`crate::net::network::face::FaceNetwork`] of these sizes.
@@ -122,7 +123,7 @@ impl FaceEngine {
             let name = |part: &str| format!("round{r}.{part}");
             let [sender, receiver, own] = ["sender", "receiver", "own.weight"].map(|k| (get(&name(k)), h));
             let (weights, cols) = beside(&[sender, receiver, own]);
-            // The bias of an edge goes to its receiver.
+            // The bias of the edge layer is added to the part of the receiver.
             let bias = [vec![0.0; padded(h)], row(get(&name("edge.bias"))), row(get(&name("own.bias")))].concat();
             Round {
                 project: Project { norm: norm(&name("norm")), weights: Packed::new(&weights, cols), bias },
@@ -152,7 +153,7 @@ impl FaceEngine {
         }
     }
 
-    /// Computes the single pass of message passing.
+    /// Computes the message passing, once per grasp.
     pub fn encode(&self, f: &GraspFeatures) -> Code {
         let mut own = self.take();
         let code = self.pass(f, &mut own);
@@ -160,19 +161,19 @@ impl FaceEngine {
         code
     }
 
-    /// Counts multiplications and additions of [`Self::encode`]'s message passing; activations and norms are not counted.
+    /// Counts multiplications and additions of the message passing in [`Self::encode`], without activations and norms.
     pub fn operations(&self, f: &GraspFeatures) -> f64 {
         let (h, pads) = (self.latent as f64, f.pads as f64);
         let (nodes, edges) = (pads * f.graph.face.len() as f64, pads * f.graph.edges.list.len() as f64);
-        // Five square layers to a node; four features, two sums and the sum of the messages to an edge; two pools.
+        // Per node: five square layers and two pools; per edge: four features, two sums and the sum of the messages.
         let round =
             nodes * (5.0 * 2.0 * h * h + 2.0 * 2.0 * h) + edges * (2.0 * 4.0 + 3.0) * h + pads * 5.0 * 2.0 * h * h;
         let ends = nodes * (2.0 * NODE.len() as f64 * h + 2.0 * h * self.last.weights.cols as f64);
         self.rounds.len() as f64 * round + ends
     }
 
-    /// Counts multiplications and additions of [`Self::decode`] for one load of a grasp, and the bytes of the response of the pads that it
-    /// reads, once for all loads.
+    /// Counts multiplications and additions of [`Self::decode`] for one load of a grasp, and the bytes of the pad
+    /// response, which is read once for all loads.
     pub fn cost_of_load(&self, f: &GraspFeatures, stress: bool) -> (f64, f64) {
         let (operations, bytes) = response::cost(&f.graph, stress);
         (f.pads as f64 * (f.graph.face.len() as f64 * self.heads.operations() + operations), bytes)
@@ -233,7 +234,7 @@ impl FaceEngine {
         code
     }
 
-    /// Computes a row per pad from the sums (pads, 2, padded).
+    /// Computes a row per pad from the weighted means (pads, 2, padded).
     fn pool(&self, pools: &Pools, pooled: &[f32], joined: &mut [f32], out: &mut [f32]) {
         let (h, s) = (self.latent, padded(self.latent));
         let pads = pooled.len() / (2 * s);
@@ -251,8 +252,8 @@ impl FaceEngine {
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
-    /// Computes the answers of grasps on pads of one graph, each at some loads, in the units of the network; stress is empty where it is not
-    /// wanted. The response of the pads is read once for all of them.
+    /// Computes the outputs of grasps on pads of one graph, each at some loads, in the units of the network; stress is
+    /// empty if not required. The response of the pads is read once for all of them.
     pub fn decode(&self, grasps: &[Decoding], stress: bool) -> Vec<NetworkOutput> {
         let Some(graph) = grasps.first().map(|grasp| &grasp.features.graph) else { return Vec::new() };
         let (n, nodes) = (graph.face.len(), graph.node_count);
@@ -291,7 +292,7 @@ impl FaceEngine {
     }
 }
 
-/// Computes a product with rows of the result as long as those of the weights.
+/// Computes a product into `out`, whose rows have the padded length of those of the weights.
 pub(crate) fn multiply(a: RowsView, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
     let stride = w.cols;
     Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });

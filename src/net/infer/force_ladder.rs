@@ -1,9 +1,10 @@
-//! Answers at loads that are not known beforehand: an agent asks for one after the other.
+//! Answers at loads that are not known in advance, since an agent requests one at a time.
 //!
-//! Several loads side by side cost the network little more than one. So a grasp is answered once at a ladder of forces, and answers
-//! between two rungs are interpolated linearly: contact forces still sum to the pressing force of the finger. Where the network was trained
-//! for pushes, some rungs also have the answers to a push along each of two directions across the fingers. What a push changes is in
-//! proportion to it, and linear between these rungs: contact forces still balance it.
+//! Decoding several loads at once costs little more than decoding one. Therefore a grasp is decoded once at a sequence
+//! of forces, and answers between two of these are interpolated linearly, so that contact forces still sum to the
+//! pressing force of the finger. If the network was trained with pushes, three of the forces are also decoded with a
+//! push along each of two directions across the fingers. The change due to a push is proportional to the push and
+//! interpolated linearly between these forces, so that contact forces still balance it.
 
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
@@ -11,21 +12,22 @@ use crate::error::Result;
 use crate::linear::{GraspLoad, around};
 use glam::DVec3;
 
-/// Number of rungs; neighbours differ by a third of their force where the largest force of an agent is seven times the smallest.
+/// Number of forces; neighbours differ by a third if the largest force of an agent is seven times the smallest.
 const RUNGS: usize = 8;
-/// Rungs that are pushed. Pushes on all of them would hardly be less off: other pushes are combinations of theirs.
+/// Indices of the forces decoded with pushes. More of them would hardly reduce the error, which is that of combining
+/// pushes linearly.
 const PUSHED: [usize; 3] = [0, 4, RUNGS - 1];
-/// Push of a rung over what friction holds.
+/// Push over the friction limit.
 const PUSH: f64 = 0.4;
 
-/// States of the pads of a grasp at rising forces per finger, N.
+/// States of the pads of a grasp at increasing forces per finger, N.
 #[derive(Debug)]
 pub struct ForceLadder {
-    /// Forces of the rungs with their levels.
+    /// Forces per finger and their levels.
     rungs: Vec<(f64, usize)>,
-    /// Forces of the pushed rungs with their levels: without a push, then the first of their pushes.
+    /// Forces per finger with pushes, and their levels: without a push, and of the first push.
     pushed: Vec<(f64, [usize; 2])>,
-    /// Directions of the pushes, hand frame; empty for a network that knows none.
+    /// Directions of the pushes, hand frame; empty if the network was trained without pushes.
     directions: Vec<DVec3>,
     /// Push over the force per finger.
     push: f64,
@@ -33,7 +35,7 @@ pub struct ForceLadder {
 }
 
 impl ForceLadder {
-    /// Creates the ladder from the force `low` to `high`, N per finger.
+    /// Decodes the states from the force `low` to `high`, N per finger.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
@@ -57,12 +59,13 @@ impl ForceLadder {
         Ok(Self { rungs, pushed, directions, push, answer })
     }
 
-    /// Returns true if it answers pushes.
+    /// Returns true if pushes are available.
     pub fn knows_pushes(&self) -> bool {
         !self.directions.is_empty()
     }
 
-    /// Returns the states of the pads at `force` per finger, N, with a `push` on the object, N, hand frame; None beyond the ladder.
+    /// Returns the states of the pads at `force` per finger, N, with a `push` on the object, N, hand frame; None
+    /// outside the range of forces.
     pub fn at(&self, force: f64, push: DVec3) -> Option<GraspState> {
         let (before, after, part) = around(&self.rungs, force)?;
         let mut levels = vec![(*before, 1.0 - part), (*after, part)];

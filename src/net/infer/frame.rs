@@ -1,4 +1,4 @@
-//! Frame of a prediction for tactile sensors, to the bit as a run of the network records it.
+//! Frame of a prediction for tactile sensors, bitwise identical to that recorded by a run with the network.
 
 use super::many::PredictedGrasp;
 use super::predict::PadState;
@@ -10,8 +10,8 @@ use crate::world::systems::{contact_area, slip};
 use glam::DVec3;
 
 impl PredictedGrasp {
-    /// Returns the frame under load `load` with what tactile sensors look at: shape and forces of the pads, pose of the object; None past the
-    /// last load.
+    /// Returns the frame under load `load` with the inputs of tactile sensors: shape and forces of the pads, pose of
+    /// the object; None after the last load.
     pub fn frame(&self, model: &Model, load: usize) -> Option<Frame> {
         let state = self.ramp.at(load)?;
         let object = object_at(model, &self.touch, &state.pads);

@@ -1,7 +1,7 @@
 //! Decoder at the face nodes: combines a load with the code of a grasp.
 //!
-//! One product gives all channels of a node: contact force, factor and rest of the stress by depth, then displacement and
-//! the scale of its linear response by depth.
+//! One product computes all channels of a node: contact force, then factor and offset of the stress at each depth, then
+//! offset and factor of the displacement at each depth.
 
 use super::face::{Code, beside, multiply, row};
 use super::message::BLOCK;
@@ -36,12 +36,12 @@ pub struct Heads {
     pad_bias: Vec<f32>,
 }
 
-/// Output of the decoder; rows are levels, then pads, then face nodes.
+/// Output of the decoder; rows are ordered by level, then pad, then face node.
 #[derive(Debug, Clone, Default)]
 pub struct Channels {
-    /// Shares of the force of the finger (items * face nodes, 3).
+    /// Contact forces over the force of the finger (items * face nodes, 3).
     pub contact: Vec<f32>,
-    /// Channels by depth (items * face nodes, width).
+    /// Channels at all depths (items * face nodes, width).
     channels: Vec<f32>,
     width: usize,
     first: usize,
@@ -55,14 +55,14 @@ pub struct Channels {
 /// Channel of a node at one depth.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
-    /// Factor and rest of the stress.
+    /// Factor and offset of the linear-response stress.
     pub stress: [f32; 2],
-    /// Rest of the displacement (3), scale of its linear response (3).
+    /// Offset (3) and factor (3) of the linear-response displacement.
     pub displacement: &'a [f32; 6],
 }
 
 impl Channels {
-    /// Returns the channels of one item: (face nodes, width).
+    /// Returns the channels of one item (one pad at one level): (face nodes, width).
     pub fn item(&self, item: usize, nodes: usize) -> &[f32] {
         &self.channels[item * nodes * self.width..(item + 1) * nodes * self.width]
     }
@@ -88,7 +88,8 @@ impl Heads {
         let both = |name: &str| {
             [("weight", d), ("bias", 1)].map(|(k, rows)| (parameters.named(&format!("{name}.{k}")).value(), rows))
         };
-        // Columns of several layers, as `pick` orders them, of the weights (part 0) or the biases (part 1).
+        // Concatenates columns of the layers in the order of the channels, of the weights (part 0) or the biases (part
+        // 1).
         let [contact, factor, stress, displacement, scale] =
             ["contact", "factor", "stress", "displacement", "scale"].map(both);
         let side = |part: usize| {
@@ -130,13 +131,15 @@ impl Heads {
         }
     }
 
-    /// Counts multiplications and additions at one node under one load, the zeros of padding among them; activations are not counted.
+    /// Counts multiplications and additions at one node under one load, including those with padding zeros, without
+    /// activations.
     pub(crate) fn operations(&self) -> f64 {
         let product = |weights: &Packed| 2.0 * (weights.rows * weights.cols) as f64;
         [&self.load, &self.inner, &self.outer, &self.node].into_iter().map(product).sum()
     }
 
-    /// Computes all channels at some loads; `nodes` of a face, `pads` of a grasp. `channels` may be those of an earlier run.
+    /// Computes all channels at some loads, for `nodes` nodes of a face and `pads` pads of a grasp. The memory of
+    /// `channels` is reused.
     pub fn run(
         &self,
         nodes: usize,
@@ -163,7 +166,7 @@ impl Heads {
         let mut out = vec![0.0; items * self.pad.cols];
         multiply(rows(&inner, self.middle.cols), &self.pad, false, Some(&self.pad_bias), Act::None, &mut out);
         let of_pad = out.chunks_exact(self.pad.cols);
-        // Each layer has columns of its own, padded.
+        // The columns of each layer are padded separately.
         let motion_at = padded(1);
 
         let mut numbers = std::mem::take(&mut channels.channels);
@@ -241,7 +244,8 @@ impl WithSimd for NodeBlock<'_> {
     }
 }
 
-/// Computes contact forces of a pad from its channels, on top of the projected ones: [`crate::net::autodiff::ops::share`].
+/// Computes the contact forces of a pad from its channels, as corrections of the projected contact:
+/// [`crate::net::autodiff::ops::share`].
 fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;

@@ -1,4 +1,4 @@
-//! Hold of the pads on the object, from the predicted pressure.
+//! Friction margin of the pads on the object, from the predicted pressure.
 
 use super::predict::GraspState;
 use super::touch::object_at;
@@ -8,15 +8,15 @@ use crate::linear::limit_surface::LimitSurface;
 use crate::model::Model;
 use glam::DVec3;
 
-/// Returns true if weight or push act on the object of a grasp that first touched at `touch`.
+/// Returns true if weight or a push acts on the object of a grasp with first contact `touch`.
 pub fn pulls(touch: &GeometricContact, load: &GraspLoad) -> bool {
     touch.weight != DVec3::ZERO || load.push != [DVec3::ZERO; 2]
 }
 
-/// Returns the part of the friction limit that weight and push leave in a state of a grasp that first touched at `touch`: 1 without a load
-/// across the fingers or for an object that is held otherwise, negative where the object slips.
+/// Returns the remaining fraction of the friction limit under weight and push, in a state of a grasp with first contact
+/// `touch`: 1 without these loads or for an object that is fixed or supported, negative where the object slips.
 pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &GraspLoad) -> f64 {
-    // Until it is let go its support carries the object.
+    // Until its release, an object is carried by its support.
     let held = !model.free || state.held || !pulls(touch, load);
     let (Some(finger), false) = (model.fingers.first(), held) else { return 1.0 };
     let presses = model.fingers.iter().zip(&state.pads).zip(&touch.travel).flat_map(|((finger, pad), first)| {

@@ -1,6 +1,7 @@
-//! Inputs of the face network as plain arrays by name: what a second implementation needs to compute the same answer.
+//! Inputs of the face network as named plain arrays: all that a second implementation needs to compute the same
+//! outputs.
 //!
-//! Features are normalised. `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
+//! Features are normalised. Sizes: `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
 
 use crate::linear::balance::{EQUATIONS, ObjectBalance};
 use crate::linear::pad_graph::PadGraph;
@@ -11,14 +12,14 @@ use crate::net::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
 use crate::net::network::{Inputs, Normalisers};
 use std::sync::Arc;
 
-/// Array by name.
+/// Named array.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array<T> {
     /// Name of the array.
     pub name: &'static str,
     /// Length along each axis.
     pub shape: Vec<usize>,
-    /// Numbers, the last axis fastest.
+    /// Entries, row-major.
     pub numbers: Vec<T>,
 }
 
@@ -27,25 +28,27 @@ impl<T> Array<T> {
         Self { name, shape: shape.to_vec(), numbers }
     }
 
-    /// Creates an empty array that has room for `count` arrays of this shape.
+    /// Creates an empty array with capacity for `count` arrays of this shape.
     pub(super) fn stack(&self, count: usize) -> Self {
         let shape = std::iter::once(count).chain(self.shape.iter().copied()).collect();
         Self { name: self.name, shape, numbers: Vec::with_capacity(count * self.numbers.len()) }
     }
 }
 
-/// Inputs that all grasps with a pad share.
+/// Inputs shared by all grasps with a pad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PadInputs {
-    /// `face` (n): its nodes; `edges` (E, 2): sender and receiver; `hang` (N, k): the depth channels (face node * depths + depth) that a node lies between.
+    /// `face` (n): its nodes; `edges` (E, 2): sender and receiver; `hang` (N, k): depth channels (face node * depths +
+    /// depth) from which a node is interpolated.
     pub indices: Vec<Array<u32>>,
-    /// `edge` (E, 4), `mean` (n): weights of the mean over the face, `hang_weight` (N, k), `free` (N): zero where bonded; `response` (3 n, 3 N)
-    /// and `stress_response` (3 n, 5 N): displacement over the thickness and deviatoric stress over Young's modulus per force over `E t^2`;
-    /// `units` (2): those of displacement and stress of the network; `young_pa`, `thickness_m` (1).
+    /// `edge` (E, 4), `mean` (n): weights of the mean over the face, `hang_weight` (N, k): weights of the
+    /// interpolation, `free` (N): zero where bonded; `response` (3 n, 3 N) and `stress_response` (3 n, 5 N):
+    /// displacement over the thickness and deviatoric stress over Young's modulus per force over `E t^2`; `units` (2):
+    /// the network's units of displacement and stress; `young_pa`, `thickness_m` (1).
     pub numbers: Vec<Array<f32>>,
 }
 
-/// Returns the inputs of the grasps with a pad of this graph, whose gel has Young's modulus `young`, Pa.
+/// Returns the inputs shared by the grasps with a pad of this graph, whose gel has Young's modulus `young`, Pa.
 pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> PadInputs {
     let (n, nodes, edges) = (graph.face.len(), graph.node_count, graph.edges.list.len());
     let (hang, hang_weight, wide) = hanging(graph);
@@ -80,7 +83,7 @@ pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> Pa
     }
 }
 
-/// Channels and weights of every node of the pad, as many for each: weights of zero fill the rows.
+/// Returns channels and weights of every node of the pad, and their number per node; rows are padded with zero weights.
 fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
     let rows = || (0..graph.node_count).map(|node| graph.interpolate.row(node));
     let wide = rows().map(<[_]>::len).max().unwrap_or(0);
@@ -89,11 +92,13 @@ fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
     (channels, weights, wide)
 }
 
-/// Returns the inputs of a grasp under some loads: `node` (P, n, [`NODE`]), `pad` (P, [`PAD`]), `near` (P, n): weights of the mean near the
-/// object; `node_load` (L, P, n, [`NODE_LOAD`]), `pad_load` (L, P, [`PAD_LOAD`]); `carried` (L, P, n, 3): share of the force of the projected
-/// contact, and the part along the face; `depth_m`, `pressing_n` (L, P). Of a free object between two pads also its balance: force and
-/// moment of each component of contact, and the contributions of each pull and twist to it, `wrench` and `pull` (L, 6, 3 P n); the way from
-/// what is out of balance to these, `inverse` (L, 6, 6); force and moment that are carried, `hangs` (L, 6).
+/// Returns the inputs of a grasp under some loads: `node` (P, n, [`NODE`]), `pad` (P, [`PAD`]), `near` (P, n): weights
+/// of the mean near the object; `node_load` (L, P, n, [`NODE_LOAD`]), `pad_load` (L, P, [`PAD_LOAD`]); `carried` (L, P,
+/// n, 3): fraction of the force in the projected contact, and tangential over normal force; `depth_m`, `pressing_n` (L,
+/// P). For a free object between two pads also its equilibrium: `wrench` (L, 6, 3 P n): force and moment of a unit of
+/// each component of contact; `pull` (L, 6, 3 P n): contributions of a unit of each correction (pulls and twists of the
+/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `hangs`
+/// (L, 6): force and moment that the pads must carry.
 pub fn grasp_inputs(features: &GraspFeatures, loads: &LoadFeatures, normalisers: &Normalisers) -> Vec<Array<f32>> {
     let inputs = Inputs { features, normalisers, mirror: (false, false) };
     let (p, n, l) = (features.pads, features.graph.face.len(), loads.load.len());

@@ -1,4 +1,5 @@
-//! Many grasps of an object at once. Some go together on a thread: each finds its first contact and is encoded, then all are decoded.
+//! Batched prediction of many grasps of an object. A thread finds the first contacts of a group of grasps, encodes
+//! them, and decodes the group at once.
 
 use super::FaceEngine;
 use super::hold::{hold, pulls};
@@ -14,26 +15,27 @@ use crate::world::environment::Environment;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Largest number of grasps that are decoded together: with two pads each, they fill a register.
+/// Largest number of grasps decoded together: with two pads each, they fill a register.
 const TOGETHER: usize = 8;
 
-/// Prediction of a grasp under the loads of its model that have an answer.
+/// Prediction of a grasp under those loads of its model that have an answer.
 #[derive(Debug)]
 pub struct PredictedGrasp {
     /// First contact.
     pub touch: GeometricContact,
     /// States under the loads.
     pub ramp: Ramp,
-    /// Part of the friction limit that the loads leave at the worst; negative where the object slips.
+    /// Smallest remaining fraction of the friction limit under the loads; negative where the object slips.
     pub hold: f64,
 }
 
 impl Predictor {
-    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see [`Predictor::answered`]. A grasp that cannot start, or
-    /// has no finite answer, has its own error.
+    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see [`Predictor::answered`]. A
+    /// grasp that cannot start, or whose numbers are not finite, has its own error.
     ///
     /// # Errors
-    /// Fails if the scene, or each of its forces, lies outside the trained range and may not be extrapolated, and if it is interrupted.
+    /// Fails if the scene, or each of its forces, is outside the trained range and may not be extrapolated, and if it
+    /// is interrupted.
     pub fn many(
         &self,
         model: &Arc<Model>,
@@ -42,7 +44,7 @@ impl Predictor {
     ) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit_some(model, extrapolate)?;
         let loads: Vec<GraspLoad> = self.answered(model, extrapolate).into_iter().map(|(_, load)| load).collect();
-        // No thread waits for work, and no bit depends on the company.
+        // Groups are small enough to occupy all threads; their composition does not change a single bit.
         let each = poses.len().div_ceil(rayon::current_num_threads());
         let together = (FaceEngine::LOADS / Ramp::decoded_at_first(model, &loads).max(1)).min(each).clamp(1, TOGETHER);
         let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {

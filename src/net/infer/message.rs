@@ -1,12 +1,12 @@
-//! Message passing on the sensing faces, block of nodes by block of nodes.
+//! Message passing on the sensing faces, in blocks of nodes.
 //!
 //! ```text
 //! project   x = norm(h);  sender | receiver | own parts = x W;  parts of the pools          per block of nodes
 //! pool      g = act(W [mean x, near x, those of the other pad]) W                           per pad
 //! receive   m = sum over incoming edges of act(W e + sender + receiver);  h += W act(own + W m + g)
 //! ```
-//! Edges are sorted by receiver: each node adds up its own messages, without a list of messages and without atomics. Blocks
-//! do not depend on threads, and the pools are added up in the order of the blocks.
+//! Edges are sorted by receiver, so that each node sums its own messages without storing them and without atomics.
+//! Blocks do not depend on the number of threads, and the pools are summed in the order of the blocks.
 
 use crate::kernel::activation::{Act, gated};
 use crate::kernel::product::{LANES, Packed, Product, RowsView, padded, product};
@@ -14,10 +14,10 @@ use crate::linear::edges::Edges;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// Number of nodes that are worked on together: their rows stay in the first-level cache from one operation to the next.
+/// Number of nodes per block: their rows stay in the first-level cache from one operation to the next.
 pub const BLOCK: usize = 24;
 
-/// Layer of a LayerNorm and the products of its result.
+/// LayerNorm followed by a linear layer.
 #[derive(Debug)]
 pub struct Project {
     /// Gain and shift, padded.
@@ -41,10 +41,10 @@ pub struct Receive {
     pub out_bias: Vec<f32>,
 }
 
-/// Directed edges by receiver.
+/// Directed edges, sorted by receiver.
 #[derive(Debug, Clone, Default)]
 pub struct Incoming {
-    /// Start of the edges of each node; one more at the end.
+    /// Index of the first edge of each node, and the number of edges at the end.
     start: Vec<u32>,
     sender: Vec<u32>,
     /// Features of each edge, normalised.
@@ -54,7 +54,7 @@ pub struct Incoming {
 }
 
 impl Incoming {
-    /// Sorts the edges of a pad with `nodes` face nodes by receiver.
+    /// Creates the edges of a pad with `nodes` face nodes from `edges`, which are sorted by receiver.
     pub fn new(edges: &Edges, nodes: usize, features: Vec<f32>) -> Self {
         let mut start = vec![0; nodes + 1];
         edges.list.iter().for_each(|(_, receiver)| start[*receiver as usize + 1] += 1);
@@ -75,14 +75,15 @@ pub struct MessageSizes {
 }
 
 impl MessageSizes {
-    /// Returns the number of floats per node.
+    /// Returns the number of floats per node, including padding.
     pub fn stride(self) -> usize {
         padded(self.latent)
     }
 }
 
-/// Computes `out = norm(h) W + b` for all pads, and the sums over the nodes of each pad of `norm(h)` weighted with each row of
-/// `weights` (rows, pads * nodes): `pooled` is (pads, rows, stride). `scratch` has room for h, `parts` for all blocks.
+/// Computes `out = norm(h) W + b` for all pads, and for each pad the weighted sums of `norm(h)` over its nodes, with
+/// the two rows of `weights` (2, pads * nodes): `pooled` is (pads, 2, stride). `scratch` has the size of h; `parts`
+/// holds the sums of all blocks.
 #[allow(clippy::too_many_arguments)]
 pub fn project(
     sizes: MessageSizes,
@@ -151,7 +152,7 @@ impl WithSimd for ProjectBlock<'_> {
     }
 }
 
-/// Number added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
+/// Regularisation added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
 const EPSILON: f32 = 1e-5;
 
 #[inline(always)]
@@ -169,19 +170,19 @@ fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f3
             *x = simd.sub_f32s(*h, mean);
             square = simd.mul_add_e_f32s(*x, *x, square);
         }
-        // Padding is zero: it has added the square of the mean.
+        // The padding of h is zero and has contributed the square of the mean.
         let extra = (s - latent) as f32 * average * average;
         let variance = (simd.reduce_sum_f32s(square) - extra) * each;
         let scale = simd.splat_f32s(1.0 / (variance + EPSILON).sqrt());
         for ((x, gain), shift) in x.iter_mut().zip(gain).zip(shift) {
-            // Gain and shift of the padding are zero, and with them what it becomes.
+            // Gain and shift of the padding are zero, so its result is zero.
             *x = simd.mul_add_e_f32s(simd.mul_f32s(*x, scale), *gain, *shift);
         }
     }
 }
 
-/// Updates `h` by one round: `parts` are the sender, receiver and own parts of every node, `global` a row per pad. `scratch` is
-/// twice as long as `h`.
+/// Updates `h` by one round: `parts` are the sender, receiver and own parts of every node, `global` has a row per pad.
+/// `scratch` has twice the size of `h`.
 pub fn receive(
     sizes: MessageSizes,
     layer: &Receive,
@@ -226,7 +227,7 @@ impl WithSimd for ReceiveBlock<'_> {
         let Self { layer, edges, first, stride: s, parts, global, messages, inner, h } = self;
         let count = h.len() / s;
         let mut gather = Gather { layer, edges, first, s, parts, messages: &mut *messages, start: 0 };
-        // As many columns at once as leave registers for the weights of the features.
+        // As many columns at once as possible while the weights of the features stay in registers.
         while gather.start < s {
             let left = (s - gather.start) / LANES;
             match (S::F32_LANES, left) {
@@ -248,7 +249,7 @@ impl WithSimd for ReceiveBlock<'_> {
     }
 }
 
-/// Sums of the messages of a block, for some columns from `start` on.
+/// Sums of the messages of a block, for a range of columns that begins at `start`.
 struct Gather<'a, 'b> {
     layer: &'a Receive,
     edges: &'a Incoming,
@@ -266,7 +267,7 @@ impl Gather<'_, '_> {
         let width = N * S::F32_LANES;
         let load =
             |from: &[f32]| -> [S::f32s; N] { *S::as_simd_f32s(&from[..width]).0.first_chunk().expect("N registers") };
-        // Four features of an edge.
+        // Four features per edge.
         let weights: [[S::f32s; N]; 4] = std::array::from_fn(|c| load(&layer.edge[c * s + start..]));
         let usual = simd.splat_f32s(edges.usual);
         for i in 0..count {

@@ -1,11 +1,11 @@
-//! Face network in use: the same numbers as [`super::network::face`] on a tape, without a tape.
+//! Inference of the face network: the same result as [`super::network::face`], without a tape.
 //!
 //! ```text
 //! weights, packed once -> product.rs, activation.rs            registers
 //! encode  features     -> message.rs (face.rs)                 once per grasp
 //! decode  loads        -> heads.rs -> response.rs -> face.rs   all loads of a grasp at once, grasps together
 //! ```
-//! The tape is the reference: a test compares both. No bit depends on threads.
+//! The tape is the reference, and a test compares both. Results are bitwise independent of threads.
 
 pub mod answer;
 pub mod arrays;

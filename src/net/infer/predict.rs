@@ -1,4 +1,4 @@
-//! Trained model in use: one pass per grasp, then any load level, in SI.
+//! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
 use super::answer::Answer;
 use super::{Code, Decoding, FaceEngine};
@@ -33,30 +33,30 @@ pub struct Predictor {
     pub network: Box<dyn Network>,
     /// Weights of the network.
     pub parameters: Parameters,
-    /// Same network without a tape, where there is one.
+    /// The same network without a tape; None if its kind has no such engine.
     engine: Option<FaceEngine>,
-    /// Pads asked about so far.
+    /// Graphs of the pads requested so far.
     pub(crate) pads: KnownPads,
 }
 
-/// Returns the hash of the mesh of the pads; empty without any.
+/// Returns the mesh hash of the pads; empty without fingers.
 fn pad_hash(model: &Model) -> String {
     model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology))
 }
 
-/// Encoded grasp: all that a load level needs.
+/// Encoded grasp: all that decoding a load level requires.
 #[derive(Debug)]
 pub struct Seen {
     features: GraspFeatures,
     code: Encoded,
-    /// True if stress is wanted.
+    /// Flag: stress is required.
     stress: bool,
-    /// Flag: the grasp lies within the range of the training, but for its forces.
+    /// Flag: the grasp is within the range of the training, apart from its forces.
     inside: bool,
 }
 
 impl Seen {
-    /// Turns stress off where its scene does not need it: it stays empty in all answers.
+    /// Disables stress if its scene does not require it; it is then empty in all answers.
     pub fn as_needed(self) -> Self {
         Self { stress: self.features.model.needs.stress, ..self }
     }
@@ -85,11 +85,12 @@ pub struct PadState {
     pub displacement: Vec<DVec3>,
     /// Von Mises stress of every node, Pa, >= 0.
     pub stress: Vec<f64>,
-    /// Contact force on every node, N; along the closing direction they sum to the pressing force of the finger.
+    /// Contact force on every node, N; the components along the closing direction sum to the pressing force of the
+    /// finger.
     pub contact: Vec<DVec3>,
     /// Travel of the finger since first contact, m.
     pub travel: f64,
-    /// Translation of the object (its point amid the pads) since first contact, m.
+    /// Translation of the object (of its point midway between the pads) since first contact, m.
     pub shift: DVec3,
     /// Rotation vector of the object since first contact.
     pub turn: DVec3,
@@ -100,17 +101,17 @@ pub struct PadState {
 pub struct GraspState {
     /// States of the pads, left first.
     pub pads: Vec<PadState>,
-    /// Flag: a free object is still held where it is, and its support carries its weight.
+    /// Flag: a free object is still supported and does not move.
     pub held: bool,
-    /// Errors that nine of ten such predictions stay below; unknown outside the range of the training.
+    /// Upper ends of the prediction intervals (90 %); unknown outside the range of the training.
     pub error: ErrorBound,
 }
 
 impl Predictor {
-    /// Opens the model in the folder `model`, or the one that ships under this name.
+    /// Opens the model in the folder `model`, or the shipped one of this name.
     ///
     /// # Errors
-    /// Fails if the folder holds no model, and if card or weights are damaged or do not fit each other.
+    /// Fails if the folder holds no model, and if card or weights are damaged or do not match.
     pub fn open(model: &Path) -> Result<Self> {
         let Trained { card, weights } = Trained::read(model)?;
         let (network, mut parameters) = build(&card.spec.network, None);
@@ -123,7 +124,7 @@ impl Predictor {
         Ok(Self::of(card, network, parameters))
     }
 
-    /// Creates the predictor of a network that is trained.
+    /// Creates the predictor of a trained network.
     pub fn of(card: Card, network: Box<dyn Network>, parameters: Parameters) -> Self {
         let engine = match &card.spec.network {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
@@ -133,37 +134,39 @@ impl Predictor {
         Self { card, network, parameters, engine, pads }
     }
 
-    /// Returns true if the training had pushes on the object.
+    /// Returns true if the training set had pushes on the object.
     pub fn knows_pushes(&self) -> bool {
         self.card.range.push[0] > 0.0
     }
 
-    /// Switches to the reference, which is computed operation by operation as in training.
+    /// Switches to the reference implementation, which computes on a tape as in training.
     pub fn on_tape(self) -> Self {
         Self { engine: None, ..self }
     }
 
-    /// Returns the graph of the pads of `model`, if the network was trained for it and all of its forces, or may `extrapolate`.
+    /// Returns the graph of the pads of `model`, if model and forces are within the trained range or it may
+    /// `extrapolate`.
     ///
     /// # Errors
-    /// Fails if the scene lies outside the trained range; the message says where.
+    /// Fails if the scene is outside the trained range; the message states where.
     pub fn admit(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
-        // Before the response of a pad is solved for that it does not know.
+        // Checked first, because solving for the response of a new pad is expensive.
         self.card.range.admits(model, &pad_hash(model), extrapolate)?;
         self.graph(model)
     }
 
-    /// Returns the graph of the pads of `model`, if the network was trained for it and some of its forces, or may `extrapolate`.
+    /// Returns the graph of the pads of `model`, if model and at least one force are within the trained range or it may
+    /// `extrapolate`.
     ///
     /// # Errors
-    /// Fails if the scene lies outside the trained range, or all of its forces do; the message says where.
+    /// Fails if the scene, or all of its forces, are outside the trained range; the message states where.
     pub fn admit_some(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
         self.card.range.admits_some(model, &pad_hash(model), extrapolate)?;
         self.graph(model)
     }
 
-    /// Returns what to know about the answers to grasps of `model`: frames that have none, and whether their error is known; nothing of a scene
-    /// that is refused.
+    /// Returns notes about the answers to grasps of `model`: frames without an answer, and whether their error is
+    /// unknown; empty for a scene that is refused.
     pub fn notices(&self, model: &Model, extrapolate: bool) -> Vec<String> {
         let (range, hash) = (&self.card.range, pad_hash(model));
         if range.admits_some(model, &hash, extrapolate).is_err() {
@@ -177,13 +180,13 @@ impl Predictor {
         outside.chain(self.card.unknown_error()).collect()
     }
 
-    /// Returns the numbers and the loads of the frames of `model` that have an answer.
+    /// Returns indices and loads of the frames of `model` that have an answer.
     pub fn answered(&self, model: &Model, extrapolate: bool) -> Vec<(usize, GraspLoad)> {
         let loads = loads_of(model);
         self.card.range.frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
     }
 
-    /// Returns the graph of the pads of `model`, trained for or not.
+    /// Returns the graph of the pads of `model`, in the trained range or not.
     ///
     /// # Errors
     /// Fails for a pad without a sensing face.
@@ -191,12 +194,12 @@ impl Predictor {
         Ok(self.pads.of(&[model.finger()?])?.remove(0))
     }
 
-    /// Encodes a grasp at first contact: the single pass of message passing.
+    /// Encodes a grasp at first contact, with the only pass of message passing.
     pub fn look(&self, model: &Arc<Model>, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
         self.encode(GraspFeatures::new(model, graph, touch))
     }
 
-    /// Encodes a grasp from features made earlier.
+    /// Encodes a grasp from existing features.
     pub fn encode(&self, features: GraspFeatures) -> Seen {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
@@ -232,7 +235,7 @@ impl Predictor {
         Ok(states)
     }
 
-    /// Computes the output for `grasps` on pads of one graph, in their order.
+    /// Computes the outputs for `grasps` on pads of one graph, in their order.
     fn outputs<'a>(&self, grasps: &'a [(&'a Seen, LoadFeatures)]) -> Vec<NetworkOutput> {
         let coded = |grasp: &'a (&'a Seen, LoadFeatures)| match &grasp.0.code {
             Encoded::Engine(code) => Some(Decoding { features: &grasp.0.features, code, loads: &grasp.1 }),
@@ -247,13 +250,13 @@ impl Predictor {
                 let inputs = self.inputs(&seen.features);
                 self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
             }
-            // What one predictor has seen, another one sees anew.
+            // A grasp encoded by another predictor is encoded again.
             Encoded::Engine(_) => self.outputs(&[(&self.encode(seen.features.clone()), loads.clone())]).swap_remove(0),
         };
         grasps.iter().map(alone).collect()
     }
 
-    /// Computes the answer of the network for a grasp under each of `given`, all of them decoded together.
+    /// Computes the output of the network for a grasp under each of `given`, all decoded together.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
@@ -261,8 +264,8 @@ impl Predictor {
         self.answers(&[seen], given).swap_remove(0)
     }
 
-    /// Computes the answer of the network for each of `grasps` on pads of one graph, under each of `given`, all of them decoded together. One
-    /// fails if its numbers are not finite.
+    /// Computes the output of the network for each of `grasps` on pads of one graph, under each of `given`, all decoded
+    /// together. A grasp fails if its numbers are not finite.
     pub fn answers(&self, grasps: &[&Seen], given: &[GraspLoad]) -> Vec<Result<Answer>> {
         let grasps: Vec<(&Seen, LoadFeatures)> =
             grasps.iter().map(|seen| (*seen, seen.features.loads(given))).collect();
@@ -270,7 +273,7 @@ impl Predictor {
         grasps.into_iter().zip(outputs).map(|((seen, loads), out)| self.checked(seen, given, loads, out)).collect()
     }
 
-    /// Returns the answer with the travel that its field asks for, and what tells its error.
+    /// Returns the answer with the travel consistent with its displacement field, and its error indicators.
     fn checked(&self, seen: &Seen, given: &[GraspLoad], loads: LoadFeatures, out: NetworkOutput) -> Result<Answer> {
         let (features, norms) = (&seen.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
@@ -289,7 +292,7 @@ impl Predictor {
             interval: self.card.interval(),
             known: Vec::new(),
         };
-        // Outside of what it was found on, an interval says nothing.
+        // A prediction interval is valid only within the range of the training.
         let known = |load: &GraspLoad| seen.inside && self.card.range.holds_force(load.force);
         answer.known = answer.loads.load.iter().map(known).collect();
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {

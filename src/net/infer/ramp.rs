@@ -1,10 +1,11 @@
-//! All loads of a grasp from a few.
+//! All loads of a grasp by interpolation between a few.
 //!
-//! The fields of a grasp are smooth in its load. So a few loads are decoded, and the others are interpolated when somebody asks for them:
-//! by cubic Hermite polynomials with the slope of the parabola through three loads, which are weights of decoded states, so that contact
-//! forces still balance the load. Every decoded load tells how well its neighbours would have given it; where that is much beside the error
-//! that the network states for itself, more loads are decoded. Truth is smoother in the load than the network, whose own roughness it would
-//! be no use to follow: a dozen loads of fifty lie as close to finite elements as all.
+//! The fields of a grasp are smooth functions of its load. Therefore a few loads are decoded, and the others are
+//! interpolated on request by cubic Hermite polynomials, with slopes from the parabolas through three loads. These are
+//! linear combinations of decoded states, so that contact forces still balance the load. For every decoded load,
+//! interpolation from the other loads yields an error estimate; where it is not small against the error that the
+//! network predicts, more loads are decoded. Reproducing the network more closely would be useless, since the true
+//! fields are smoother in the load than the network: a dozen loads of fifty are as close to finite elements as all.
 
 use super::FaceEngine;
 use super::answer::{Answer, mixed};
@@ -16,39 +17,41 @@ use crate::record::ErrorBound;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Number of loads of a ramp, and of a push, that are decoded at first.
+/// Number of loads of a ramp, and of a push, that are decoded initially.
 const FEW: usize = 12;
-/// Largest error of an interpolated displacement over the one that the network states for it: as errors that know nothing of each other, both
-/// together are a fiftieth larger than the latter, sqrt(1.02^2 - 1).
+/// Largest ratio of the interpolation error of the displacement to the error predicted by the network: if both are
+/// independent, their combination is 2 % larger than the latter, sqrt(1.02^2 - 1).
 const OWN: f64 = 0.2;
-/// Least factor by which the error of a cubic polynomial falls with half the distance of its loads, even at a kink.
+/// Smallest factor by which halving the distance between the loads reduces the error of the cubic polynomial, even at a
+/// kink.
 const FALL: f64 = 2.0;
 
-/// States of a grasp under rising loads.
+/// States of a grasp under increasing loads.
 #[derive(Debug)]
 pub struct Ramp {
-    /// Loads side by side that one polynomial may cross.
+    /// Ranges of loads within which a polynomial may be used.
     pieces: Vec<Piece>,
     answers: Vec<Answer>,
 }
 
-/// Loads in a row: of a squeeze before or after the object is let go, or of a push under one squeeze.
+/// Range of loads: of a squeeze before or after the release of the object, or of a push under one squeeze.
 #[derive(Debug)]
 struct Piece {
     loads: Range<usize>,
-    /// Coordinate of every load: the root of a force, in which displacements are next to straight, or the number of a push.
+    /// Coordinate of every load: the square root of a force, in which displacements are almost linear, or the index of
+    /// a push.
     along: Vec<f64>,
-    /// Decoded loads by rising number: (load, answer, level in it).
+    /// Decoded loads in ascending order: (load, answer, level in it).
     known: Vec<(usize, usize, usize)>,
 }
 
 impl Ramp {
-    /// Returns the number of the loads of a grasp of `model` that are decoded at first.
+    /// Returns the number of loads of a grasp of `model` that are decoded initially.
     pub fn decoded_at_first(model: &Model, loads: &[GraspLoad]) -> usize {
         Self::of(model, loads).missing_at_first().len()
     }
 
-    /// Decodes as many of `loads` as a grasp takes.
+    /// Decodes as many of `loads` as a grasp requires.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
@@ -56,8 +59,8 @@ impl Ramp {
         Self::many(predictor, &[seen], loads).swap_remove(0)
     }
 
-    /// Decodes as many of `loads` as each of `grasps` takes, all of one model. The loads that are decoded at first are so for all grasps
-    /// together. A grasp fails if its predicted numbers are not finite.
+    /// Decodes as many of `loads` as each of `grasps` requires, all of one model. The initial loads are decoded for all
+    /// grasps together. A grasp fails if its predicted numbers are not finite.
     pub fn many(predictor: &Predictor, grasps: &[&Seen], loads: &[GraspLoad]) -> Vec<Result<Self>> {
         let Some(model) = grasps.first().map(|seen| seen.model()) else { return Vec::new() };
         let first = Self::of(model, loads).missing_at_first();
@@ -76,17 +79,17 @@ impl Ramp {
         ramps.into_iter().zip(grasps).map(goes_on).collect()
     }
 
-    /// Creates the ramp of `loads` on a grasp of `model`, of which none is decoded.
+    /// Creates the ramp of `loads` on a grasp of `model`, without decoded loads.
     fn of(model: &Model, loads: &[GraspLoad]) -> Self {
         Self { pieces: pieces(loads, |load| model.holds(load.force)), answers: Vec::new() }
     }
 
-    /// Returns the loads that are decoded before anything is known.
+    /// Returns the loads that are decoded initially.
     fn missing_at_first(&self) -> Vec<usize> {
         self.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect()
     }
 
-    /// Decodes more loads until interpolation does for the others.
+    /// Decodes more loads until interpolation is accurate enough for the others.
     fn refined(mut self, predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
         loop {
             self.pieces.iter_mut().for_each(|piece| piece.known.sort_unstable());
@@ -101,7 +104,7 @@ impl Ramp {
         }
     }
 
-    /// Adds the answer under the loads that `some` numbers.
+    /// Adds the answer under the loads with the indices `some`.
     fn add(&mut self, some: &[usize], answer: Answer) {
         self.answers.push(answer);
         for (level, load) in some.iter().enumerate() {
@@ -120,24 +123,24 @@ impl Ramp {
         self.len() == 0
     }
 
-    /// Returns the number of loads that were decoded.
+    /// Returns the number of decoded loads.
     pub fn decoded(&self) -> usize {
         self.pieces.iter().map(|piece| piece.known.len()).sum()
     }
 
-    /// Returns the state under load number `load`; None beyond the last.
+    /// Returns the state under the load with index `load`; None after the last.
     pub fn at(&self, load: usize) -> Option<GraspState> {
         let piece = self.pieces.iter().find(|piece| piece.loads.contains(&load))?;
         Some(mixed(&self.parts(piece, &piece.known, load)))
     }
 
-    /// Returns the largest errors of all decoded states that nine of ten such predictions stay below.
+    /// Returns the largest upper ends of the prediction intervals (90 %) over all decoded states.
     pub fn error(&self) -> ErrorBound {
         let all = self.answers.iter().flat_map(|answer| (0..answer.loads.load.len()).map(|level| answer.error(level)));
         all.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN)
     }
 
-    /// Returns the decoded states with their weights that give the state of `load` from those `known`.
+    /// Returns the decoded states among `known`, with weights, whose combination is the state of `load`.
     fn parts(&self, piece: &Piece, known: &[(usize, usize, usize)], load: usize) -> Vec<(&Answer, usize, f64)> {
         let along = |load: usize| piece.along[load - piece.loads.start];
         let nodes: Vec<f64> = known.iter().map(|(load, ..)| along(*load)).collect();
@@ -145,7 +148,7 @@ impl Ramp {
         weights.map(|(k, weight)| (&self.answers[known[k].1], known[k].2, weight)).collect()
     }
 
-    /// Returns the loads to be decoded next: amid those between which interpolation would not do.
+    /// Returns the loads to decode next: midpoints of intervals in which interpolation is not accurate enough.
     fn missing(&self, piece: &Piece) -> Vec<usize> {
         let Piece { known, .. } = piece;
         let mut missing = Vec::new();
@@ -156,7 +159,7 @@ impl Ramp {
             let guessed = displacement(&self.parts(piece, &others, load));
             let norm = |v: &mut dyn Iterator<Item = DVec3>| v.map(|v| v.length_squared()).sum::<f64>().sqrt();
             let off = norm(&mut exact.iter().zip(&guessed).map(|(a, b)| *a - *b));
-            // Where the error is unknown every load is decoded.
+            // If the error is unknown, every load is decoded.
             let own = Some(self.answers[answer].error(level)).filter(ErrorBound::is_known);
             let own = own.map_or(0.0, |error| error.displacement);
             if off > FALL * OWN * own * norm(&mut exact.iter().copied()) {
@@ -171,7 +174,8 @@ impl Ramp {
     }
 }
 
-/// Returns the loads in pieces: the squeeze while it `holds` the object and after that, and the push under its last force.
+/// Splits the loads into pieces: the squeeze while it `holds` the object, the squeeze after that, and the push under
+/// its last force.
 fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece> {
     let pushed = |load: &GraspLoad| load.push != [DVec3::ZERO; 2];
     let start = loads.iter().position(pushed).unwrap_or(loads.len());
@@ -179,7 +183,7 @@ fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece>
     let free = loads[..start].iter().position(|load| !holds(load)).unwrap_or(start);
     let along = |i: usize| if i < start { loads[i].force.sqrt() } else { (1 + i - start) as f64 };
     let piece = |loads: Range<usize>| Piece { along: loads.clone().map(along).collect(), loads, known: Vec::new() };
-    // Loads that go up and down stand each for itself.
+    // Loads that do not increase monotonically are not interpolated.
     let squeeze: Vec<Range<usize>> = match rising {
         true => vec![0..free, free..start],
         false => (0..start).map(|i| i..i + 1).collect(),
@@ -188,7 +192,7 @@ fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece>
     all.filter(|range| !range.is_empty()).map(piece).collect()
 }
 
-/// Returns at most [`FEW`] numbers of a range, evenly spread along its coordinate, the first and the last among them.
+/// Returns at most [`FEW`] indices of a range, evenly spaced along its coordinate, including the first and the last.
 fn evenly(range: &Range<usize>, along: &[f64]) -> Vec<usize> {
     let last = along.len() - 1;
     if last < FEW {
@@ -200,7 +204,7 @@ fn evenly(range: &Range<usize>, along: &[f64]) -> Vec<usize> {
     few.into_iter().map(|k| range.start + k).collect()
 }
 
-/// Returns the displacement of the face nodes of all pads in a mean of states, in units of the network.
+/// Returns the displacement of the face nodes of all pads in a linear combination of states, m.
 fn displacement(parts: &[(&Answer, usize, f64)]) -> Vec<DVec3> {
     let mut sum: Vec<DVec3> = Vec::new();
     for (answer, level, weight) in parts {
@@ -211,8 +215,8 @@ fn displacement(parts: &[(&Answer, usize, f64)]) -> Vec<DVec3> {
     sum
 }
 
-/// Returns the weights of the values at rising `nodes` that give the value at `x`: a cubic polynomial with the slopes of the parabolas
-/// through three neighbours; exact for parabolas.
+/// Returns the weights of the values at ascending `nodes` in the value at `x` of a cubic Hermite polynomial with the
+/// slopes of the parabolas through three neighbours; exact for parabolas.
 fn hermite(nodes: &[f64], x: f64) -> Vec<(usize, f64)> {
     let last = nodes.len() - 1;
     let right = nodes.partition_point(|node| *node < x);
@@ -235,7 +239,8 @@ fn hermite(nodes: &[f64], x: f64) -> Vec<(usize, f64)> {
     weights
 }
 
-/// Returns the weights of the values at `nodes` that give the slope at one of them: of the parabola through it and its neighbours.
+/// Returns the weights of the values at `nodes` in the slope at one of them, that of the parabola through three
+/// neighbouring nodes.
 fn slope(nodes: &[f64], at: usize) -> Vec<(usize, f64)> {
     let last = nodes.len() - 1;
     if last == 1 {

@@ -1,6 +1,7 @@
-//! Linear response of a pad in use: displacement of its free nodes under forces on its face, and the stress of that displacement.
+//! Linear response of a pad, for inference: displacement of its free nodes under forces on its face, and the stress of
+//! this displacement.
 //!
-//! Loads lie side by side, one register of them at a time.
+//! Loads are interleaved, one SIMD register at a time.
 
 use super::heads::Channels;
 use crate::kernel::activation::Act;
@@ -14,7 +15,7 @@ use rayon::prelude::*;
 
 /// Number of nodes whose response is computed together.
 const BLOCK: usize = 16;
-/// Memory of a pass.
+/// Workspace of a pass.
 #[derive(Debug, Default)]
 pub struct Memory {
     forces: Packed,
@@ -22,8 +23,8 @@ pub struct Memory {
     at_nodes: Vec<f32>,
 }
 
-/// Computes the response of a pad of this graph to the forces of `items`: the contact of each (face nodes, 3: share, friction along x and y)
-/// with its scale; with its `stress` if that is wanted.
+/// Computes the response of a pad of this graph to the contact forces of `items` (face nodes, 3: fraction of the force,
+/// friction along x and y), each with its scale; with `stress` if required.
 pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, memory: &'a mut Memory) -> Given<'a> {
     let pad = &graph.compliance;
     let (forced, items, k) = (items, items.len(), pad.forces);
@@ -49,8 +50,8 @@ pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, m
     Given { graph, pad, items, stress, at_nodes }
 }
 
-/// Counts multiplications and additions of [`respond`] and [`Given::correct`] for a pad under one load, and the bytes of the response that
-/// every group of loads reads.
+/// Counts multiplications and additions of [`respond`] and [`Given::correct`] for a pad under one load, and the bytes
+/// of the response, which is read once per group of loads.
 pub(crate) fn cost(graph: &PadGraph, stress: bool) -> (f64, f64) {
     let pad = &graph.compliance;
     let of_stress = |node: usize| if stress { 22.0 * pad.deviator.of(node).0.len() as f64 } else { 0.0 };
@@ -60,7 +61,7 @@ pub(crate) fn cost(graph: &PadGraph, stress: bool) -> (f64, f64) {
     (2.0 * response + nodes, size_of::<f32>() as f64 * response)
 }
 
-/// Displacement and von Mises' norm of the stress of some nodes, from the motion of all nodes.
+/// Displacement and squared von Mises stress of some nodes, from the displacement of all free nodes.
 struct NodeBlock<'a> {
     pad: &'a Compliance,
     first: usize,
@@ -115,20 +116,20 @@ impl WithSimd for NodeBlock<'_> {
     }
 }
 
-/// Response of all nodes at all loads.
+/// Linear response of all nodes at all loads.
 #[derive(Debug)]
 pub struct Given<'a> {
     graph: &'a PadGraph,
     pad: &'a Compliance,
     items: usize,
     stress: bool,
-    /// Values at nodes (blocks of nodes, items, [`BLOCK`], 4): displacement and the square of the stress.
+    /// Values at nodes (blocks of nodes, items, [`BLOCK`], 4): displacement and squared von Mises stress.
     at_nodes: &'a [f32],
 }
 
 impl Given<'_> {
-    /// Returns the response of the items from number `first` on, corrected by the network's channels of these items, in its units:
-    /// displacement (items, nodes, 3) and stress (items, nodes), which is empty where it is not wanted.
+    /// Returns the response of the items from index `first` on, corrected by the network's channels of these items, in
+    /// its units: displacement (items, nodes, 3) and stress (items, nodes), which is empty if not required.
     pub fn correct(&self, first: usize, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
         let (n, items, face) = (self.pad.nodes, heads.travel.len(), self.graph.face.len());
         let stresses = if self.stress { n } else { 0 };

@@ -1,4 +1,5 @@
-//! Inputs of the face network for grasps of a scene, and how they change with force, friction and the pose of the hand.
+//! Inputs of the face network for grasps of a scene, and their derivatives with respect to force, friction and pose of
+//! the hand.
 
 use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
@@ -20,12 +21,12 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Change of a grasp.
+/// Direction of differentiation of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GripChange {
-    /// Change of all forces in proportion.
+    /// Proportional change of all forces.
     Force,
-    /// Change of the friction.
+    /// Change of the coefficient of friction.
     Friction,
     /// Change of the hand's position along an axis of the object frame.
     Position(usize),
@@ -34,7 +35,7 @@ pub enum GripChange {
 }
 
 impl GripChange {
-    /// List of all changes.
+    /// All changes.
     pub const ALL: [Self; 8] = [
         Self::Force,
         Self::Friction,
@@ -47,14 +48,14 @@ impl GripChange {
     ];
 }
 
-/// Grasp to be looked at.
+/// Grasp whose inputs are computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grip {
     /// Pose of the hand.
     pub pose: GraspPose,
     /// Force under each load, N: the sum over the fingers.
     pub force: Vec<f64>,
-    /// Coulomb's coefficient.
+    /// Coulomb's coefficient of friction.
     pub friction: f64,
 }
 
@@ -73,10 +74,10 @@ impl Grip {
     }
 }
 
-/// Inputs of a grasp, and their derivatives: one more axis in front, as long as the list of changes.
+/// Inputs of a grasp, and their derivatives; the latter have an additional first axis over the changes.
 pub type Slopes = [Vec<Array<f32>>; 2];
 
-/// Scene as the face network sees it.
+/// Scene prepared for the face network.
 #[derive(Debug)]
 pub struct SceneInputs {
     predictor: Predictor,
@@ -87,10 +88,11 @@ pub struct SceneInputs {
 }
 
 impl SceneInputs {
-    /// Builds the scene for the network in the folder `model`, or the one that ships under this name.
+    /// Builds the scene for the network in the folder `model`, or the shipped one of this name.
     ///
     /// # Errors
-    /// Fails if scene or model cannot be read, for a network of another kind, and for a scene outside the trained range.
+    /// Fails if scene or model cannot be read, for a network of another kind, and for a scene outside the trained
+    /// range.
     pub fn new(scene: &Scene, model: &Path, extrapolate: bool) -> Result<Self> {
         let predictor = Predictor::open(model)?;
         face_alone(&predictor.card, model)?;
@@ -100,19 +102,20 @@ impl SceneInputs {
         Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
     }
 
-    /// Returns the force under each load of the scene, N, the sum over the fingers, and its friction.
+    /// Returns the force under each load of the scene, N, the sum over the fingers, and its coefficient of friction.
     pub fn usual(&self) -> (Vec<f64>, f64) {
         let fingers = self.model.fingers.len() as f64;
         (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
     }
 
-    /// Returns the inputs that all grasps share.
+    /// Returns the inputs shared by all grasps.
     pub fn pad(&self) -> PadInputs {
         pad_inputs(&self.graph, self.model.material.moduli().young, &self.predictor.card.normalisers)
     }
 
-    /// Returns for each of `grips` its inputs, and their derivatives along `changes`: by the logarithm of the force, the coefficient of
-    /// friction, m and rad. A grasp that cannot start, or lies outside the trained range, has its own error.
+    /// Returns for each of `grips` its inputs, and their derivatives along `changes`: with respect to the logarithm of
+    /// the force, the coefficient of friction, m and rad. A grasp that cannot start, or is outside the trained range,
+    /// has its own error.
     ///
     /// # Errors
     /// Fails if it is interrupted.
@@ -134,7 +137,7 @@ impl SceneInputs {
             let step = self.step(grip, *change)?;
             let mut beside = |by: f64| -> Result<_> {
                 let changed = grip.changed(*change, by);
-                // Neither force nor friction change the first contact.
+                // Neither force nor friction changes the first contact.
                 Ok(match changed.pose == grip.pose {
                     true => self.look(&touch, &model, &changed),
                     false => self.look(&touches(changed.pose)?, &model, &changed),
@@ -168,8 +171,8 @@ impl SceneInputs {
         Ok(model)
     }
 
-    /// Returns the inputs of `grip`, which first touches at `touch`. The path of its equilibrium is to the largest force of `model`, whatever its
-    /// own is.
+    /// Returns the inputs of `grip` with first contact `touch`. The path of its equilibrium always ends at the largest
+    /// force of `model`, even if that of `grip` differs.
     fn look(&self, touch: &GeometricContact, model: &Model, grip: &Grip) -> Vec<Array<f32>> {
         let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
         let features = GraspFeatures::new(&own, &self.graph, touch);
@@ -179,13 +182,13 @@ impl SceneInputs {
         grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers)
     }
 
-    /// Returns the step of a central difference: the square root of the precision of inputs, which are f32, over the scale of what changes.
-    /// Rounding makes an error of `eps / h`, and kinks, as where a node begins to press, make one that falls with `h` alone: at the square
-    /// root their sum is least. The scale of the position is the thickness of a pad, that of the rotation the angle which moves the farthest
-    /// node of a face as far.
+    /// Returns the step of a central difference: the square root of the machine precision of the inputs (f32), times a
+    /// scale. Rounding causes an error of `eps / h`; kinks, such as a node coming into contact, cause one proportional
+    /// to `h`; the square root minimises their sum. The scale of the position is the thickness of a pad; that of the
+    /// rotation is the angle which moves the farthest face node by this thickness.
     ///
     /// # Errors
-    /// Fails for the friction of a grasp without any.
+    /// Fails for the derivative with respect to friction of a frictionless grasp.
     fn step(&self, grip: &Grip, change: GripChange) -> Result<f64> {
         let farthest = |finger: &FingerModel| {
             self.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
@@ -205,7 +208,7 @@ impl SceneInputs {
     }
 }
 
-/// Returns the weights of the face network in the folder `model`, or of the one that ships under this name: safetensors.
+/// Returns the weights of the face network in the folder `model`, or of the shipped one of this name: safetensors.
 ///
 /// # Errors
 /// Fails if the model cannot be read, and for a network of another kind.

@@ -1,4 +1,5 @@
-//! Contact of the predicted faces with the object: the travel that closes it, and how well field and pose agree.
+//! Contact of the predicted faces with the object: the travel that closes the gap, and the consistency of displacement
+//! field and pose.
 
 use super::predict::PadState;
 use crate::linear::GraspLoad;
@@ -10,26 +11,26 @@ use crate::net::network::interval::Signs;
 use crate::world::components::ObjectPose;
 use glam::DVec3;
 
-/// Pressing force of a node over the largest, below which it does not say where the object is.
+/// Pressing force of a node, over the largest, below which the node is not used to locate the object.
 const FAINT: f64 = 1e-2;
-/// Largest correction of the travel, over the thickness: a field that asks for more is not one to go by.
+/// Largest correction of the travel, over the thickness: a field that requires more is not reliable.
 const FARTHEST: f64 = 0.3;
-/// Mismatch and overlap over the depth, below which all are alike.
+/// Mismatch and overlap, over the depth, below which values are not distinguished.
 const LEAST: f64 = 1e-3;
 
-/// A node of a face beside the object.
+/// Face node near the object.
 struct Beside {
-    /// Distance to the object beyond what the contact law leaves at its force, m.
+    /// Distance to the object minus the gap that the contact law implies for its force, m.
     gap: f64,
-    /// Change of that distance with the travel.
+    /// Derivative of that distance with respect to the travel.
     closing: f64,
-    /// Pressing force, N; zero if it is next to none.
+    /// Pressing force, N; zero if negligible.
     force: f64,
-    /// What lies between it and its neighbours, over the thickness.
+    /// Difference between the gap of the node and the smallest gap around it, over the thickness.
     hidden: f64,
 }
 
-/// Returns translation (m) and rotation vector of the object in hand axes: every pad has its own view of them, and this is their mean.
+/// Returns translation (m) and rotation vector of the object in hand axes, as the mean of the predictions of all pads.
 fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
     let mean = |pick: fn(&PadState) -> DVec3| {
         let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
@@ -38,14 +39,14 @@ fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
     [mean(|p| p.shift), mean(|p| p.turn)]
 }
 
-/// Returns the pose of the object of a grasp that first touched at `touch` in a state of its pads.
+/// Returns the pose of the object in a state of the pads of a grasp with first contact `touch`.
 pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> ObjectPose {
     let [shift, turn] = mean_motion(model, pads);
     if model.free { moved(model, &touch.object, shift, turn) } else { touch.object }
 }
 
-/// Returns the travel of each finger at which the gaps of its pressed nodes are, in the mean over their forces, those that the contact
-/// law gives them, and the signs of the error of this answer, whose pads give by `depth` (m).
+/// Returns the travel of each finger at which the force-weighted mean gap of its pressed nodes agrees with the contact
+/// law, and the error indicators of this answer, whose pads have the mean displacement `depth`, m.
 pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
     let (model, t) = (&*features.model, features.graph.thickness);
     let object = object_at(model, &features.touch, pads);
@@ -58,7 +59,7 @@ pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspL
     let sums: Vec<(f64, f64)> = sums.collect();
     let far = FARTHEST * t;
     let by = |(lacks, gains): (f64, f64)| if gains < 0.0 { (lacks / gains).clamp(-far, far) } else { 0.0 };
-    // Geared fingers go together.
+    // Geared fingers have the same travel correction.
     let both = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     let by: Vec<f64> = sums.iter().map(|own| by(if model.geared() { both } else { *own })).collect();
     let (mut force, mut mismatch, mut hidden, mut overlap) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -86,10 +87,10 @@ pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspL
     (pads.iter().zip(&by).map(|(pad, by)| pad.travel + by).collect(), signs)
 }
 
-/// Column of a node's features that says how far the object comes nearer between it and its neighbours.
+/// Column of a node's features with the difference between its gap and the smallest gap around it.
 const HIDDEN: usize = 26;
 
-/// Looks at the object from the face nodes of pad `p` that are pressed or near.
+/// Queries the object at the face nodes of pad `p` that are pressed or close to it.
 fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<Beside> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
@@ -101,7 +102,7 @@ fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPos
         let force = -pad.contact[*node as usize].z;
         let force = if force > FAINT * most { force } else { 0.0 };
         let place = finger.placement.place(graph.rest[i] + pad.displacement[*node as usize]) + carried;
-        // A node that does not press matters only where it is inside.
+        // A node without pressing force matters only if it penetrates the object.
         let reach = if force > 0.0 { f64::INFINITY } else { finger.law.offset };
         let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
         let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.least());

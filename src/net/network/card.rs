@@ -1,5 +1,4 @@
-//! Folder of a trained model: `weights.safetensors`, and `card.ron`, which says what the weights are and on which data they were
-//! trained.
+//! Folder of a trained model: `weights.safetensors`, and `card.ron` with the network, its training and the data set.
 
 use super::Normalisers;
 use super::interval::{FEWEST, Interval};
@@ -16,9 +15,9 @@ use std::path::Path;
 
 /// Name of the card in the folder of a model.
 pub const CARD: &str = "card.ron";
-/// Models that shipped with former versions.
+/// Models shipped with earlier versions.
 const FORMER: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
-/// Name of the file of the weights.
+/// Name of the weights file.
 pub const WEIGHTS: &str = "weights.safetensors";
 
 /// Description of a trained model.
@@ -26,12 +25,12 @@ pub const WEIGHTS: &str = "weights.safetensors";
 pub struct Card {
     /// Version of tactus that trained it.
     pub tactus: String,
-    /// Version ([`VERSION`]) of the features that it reads.
+    /// Version ([`VERSION`]) of its input features.
     #[serde(default)]
     pub features: u32,
     /// Network and training.
     pub spec: Spec,
-    /// Hash of the plan of the data set.
+    /// Hash of the data set's plan.
     pub data: String,
     /// Split of the training.
     pub split: String,
@@ -43,24 +42,24 @@ pub struct Card {
     pub units: String,
     /// Loss on the validation grasps.
     pub validation_loss: f64,
-    /// Number of epochs that the weights have seen.
+    /// Number of epochs after which these weights were reached.
     pub epochs: usize,
     /// Statistics of the training set.
     pub normalisers: Normalisers,
-    /// Range of the training, in which the model may be used.
+    /// Range of the training set, in which the model may be used.
     pub range: TrainedRange,
-    /// Number of grasps that were kept from the training; zero in older models.
+    /// Number of grasps held out from the training; zero in older models.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub kept: usize,
-    /// Interval of its error; None if too few grasps were kept from the training to find one: [`FEWEST`].
+    /// Prediction interval; None if fewer than [`FEWEST`] grasps were held out from the training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval: Option<Interval>,
-    /// BLAKE3 hash of the numbers above and of the weights; empty in older models.
+    /// BLAKE3 hash of the fields above and of the weights; empty in older models.
     #[serde(default)]
     pub checksum: String,
 }
 
-/// Origin of a model, which the cards of all versions tell.
+/// Origin of a model, which the cards of all versions contain.
 #[derive(Debug, Deserialize)]
 #[serde(rename = "Card")]
 struct Made {
@@ -73,7 +72,7 @@ fn is_zero(number: &usize) -> bool {
     *number == 0
 }
 
-/// Model read from a folder or from the program.
+/// Model read from a folder or shipped in the program.
 #[derive(Debug)]
 pub struct Trained {
     /// Card of the model.
@@ -83,10 +82,10 @@ pub struct Trained {
 }
 
 impl Trained {
-    /// Reads the model in the folder `model`, or the one that ships under this name.
+    /// Reads the model in the folder `model`, or the shipped one of this name.
     ///
     /// # Errors
-    /// Fails if there is no model, or one of another make, one that reads other features, or one that is damaged.
+    /// Fails if there is no model, if its format or the version of its features differs, or if it is damaged.
     pub fn read(model: &Path) -> Result<Self> {
         let path = model.join(CARD);
         let (text, weights) = match shipped::named(model) {
@@ -99,7 +98,7 @@ impl Trained {
                 (Cow::from(text), Cow::from(weights))
             }
         };
-        // Cards of other versions have other fields: what they were made by is read first.
+        // Cards of other versions have other fields, so the versions are read first.
         let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
         if made.features != VERSION {
             let message = format!(
@@ -120,7 +119,7 @@ impl Trained {
         read.sound(&path)
     }
 
-    /// Returns the model if card and weights are those that were written.
+    /// Returns the model if the checksum of card and weights is correct.
     fn sound(self, path: &Path) -> Result<Self> {
         if !self.card.checksum.is_empty() && self.card.sum(&self.weights)? != self.card.checksum {
             let message = "this card or the weights beside it were changed or damaged since the training; take both from a copy, \
@@ -146,7 +145,7 @@ fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
 }
 
 impl Card {
-    /// Checks that training can give such numbers. The error names the field and says what is wrong.
+    /// Checks that the values are valid. The error names the field and states what is wrong.
     fn check(&self) -> std::result::Result<(), String> {
         self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
         self.range.check()?;
@@ -157,12 +156,12 @@ impl Card {
         }
     }
 
-    /// Returns the interval of its error, if it was found on enough grasps.
+    /// Returns the prediction interval, if it was fitted to enough grasps.
     pub fn interval(&self) -> Option<Interval> {
         self.interval.filter(Interval::holds)
     }
 
-    /// Returns why nobody knows by how much its predictions are off; None if it has an interval.
+    /// Returns why the error of its predictions is unknown; None if it has a prediction interval.
     pub fn unknown_error(&self) -> Option<String> {
         self.interval().is_none().then(|| {
             let kept = if self.kept > 0 { self.kept.to_string() } else { "fewer".into() };

@@ -1,15 +1,17 @@
-//! Face network: messages pass on the sensing faces once per grasp, a small decoder gives any load level.
+//! Face network: message passing on the sensing faces once per grasp, and a small decoder for any load level.
 //!
 //! ```text
 //! encode  h = W node                                    per face node, each pad in its own frame
 //!         rounds x: m_e = act(W e + W h_sender + W h_receiver)         per edge
 //!                   g   = act(W [mean h, near h, those of the other pad])   per pad
 //!                   h  += W act(W h + W sum m + W g)                    per node
-//! decode  z = act(W h + W node load + W pad load), z += W act(W z)  -> contact force, on top of the projected one, in balance
-//!         displacement = linear response to it x W z + W z, stress = that of the response x act(W z) + act(W z), by depth
+//! decode  z = act(W h + W node load + W pad load), z += W act(W z)
+//!         contact force = the projected one, corrected by W z, in balance
+//!         displacement = linear response to it x W z + W z            by depth
+//!         stress = that of the response x act(W z) + act(W z)         by depth
 //!         y = act(W g + W pad load)                -> travel, object motion
 //! ```
-//! The second layer of a message is linear, so it is applied after the sum: edges cost no matrix product.
+//! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
 use super::{Inputs, Network, NetworkOutput, constant, repeat};
 use crate::kernel::Sparse;
@@ -69,7 +71,7 @@ struct Round {
     out: Layer,
 }
 
-/// Layer on pooled features of a pad and of the other one.
+/// Layer on pooled features of a pad and of the other pad.
 #[derive(Debug)]
 struct Pools {
     weights: [Id; 4],
@@ -87,7 +89,7 @@ impl Pools {
     fn apply<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs, h: &Matrix<T>) -> Matrix<T> {
         let f = inputs.features;
         let pads = f.pads;
-        // With one finger there is no other pad: an empty row, which gives zero.
+        // With one finger there is no other pad: its row is empty, which yields zero.
         let other = (0..pads).map(|i| if pads == 2 { vec![(1 - i as u32, 1.0)] } else { Vec::new() });
         let other = Sparse::new(&other.collect::<Vec<_>>(), pads);
         let (mean, near) = (apply(tape, &f.mean, h), apply(tape, &f.near, h));
@@ -105,7 +107,7 @@ impl Pools {
 }
 
 impl FaceNetwork {
-    /// Creates the network with start values from `maker`.
+    /// Creates the network with initial values from `maker`.
     pub fn new<T: Real>(sizes: &Face, maker: &mut Maker<T>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
         let layer = |maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64| {
@@ -147,7 +149,7 @@ impl FaceNetwork {
             outer: layer(maker, "node.outer", d, d, 0.5),
             displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
             scale: Layer(maker.weight("scale.weight", d, 3 * depths, 0.01), maker.row("scale.bias", 3 * depths, 1.0)),
-            // Started next to nothing, and at one: the linear response as it is.
+            // Initially the stress is almost that of the linear response: a small offset, and a factor of one.
             stress: Layer(maker.weight("stress.weight", d, depths, 0.01), maker.row("stress.bias", depths, -2.0)),
             factor: Layer(maker.weight("factor.weight", d, depths, 0.01), maker.row("factor.bias", depths, 0.75)),
             contact: layer(maker, "contact", d, 3, 0.01),
@@ -205,7 +207,7 @@ impl<T: Real> Network<T> for FaceNetwork {
         }
         let h = layer_norm(tape, &h, p.get(self.last.0), p.get(self.last.1));
         let pooled = self.pools.apply(tape, p, inputs, &h);
-        // The part of the first decoder layer that no load changes.
+        // Load-independent part of the first decoder layer.
         let node = linear(tape, &h, p.get(self.node[0]), Some(p.get(self.node_bias)), Activation::None);
         let pad = linear(tape, &pooled, p.get(self.pad[0]), Some(p.get(self.pad_bias)), Activation::None);
         vec![node, pad]
@@ -243,10 +245,10 @@ impl<T: Real> Network<T> for FaceNetwork {
         let contact = balanced(tape, &share(tape, &contact, face), &loads.balance, inputs.signs());
         let (given, bare) = linear_response(tape, inputs, loads, &contact);
         let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
-        // What the linear response is wrong by, as a factor, and what it leaves out.
+        // Additive and multiplicative corrections of the linear response.
         let beyond = apply(tape, &graph.interpolate_free, &channel(self.displacement, none));
         let scale = apply(tape, &graph.interpolate, &channel(self.scale, none));
-        // Neither factor nor what is left out is negative.
+        // Factor and offset of the stress are positive.
         let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
         let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
         NetworkOutput {
@@ -259,7 +261,8 @@ impl<T: Real> Network<T> for FaceNetwork {
     }
 }
 
-/// Computes the linear response of the pads to contact forces, in the network's units: displacement, and von Mises stress.
+/// Computes the linear response of the pads to contact forces: displacement and von Mises stress, in the network's
+/// units.
 fn linear_response<T: Real>(
     tape: &Tape<T>,
     inputs: &Inputs,
@@ -270,7 +273,7 @@ fn linear_response<T: Real>(
     let pad = &f.graph.compliance;
     let [x, y] = inputs.signs();
     let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
-    // From (against the closing direction, x, y) to (x, y, z) of the pad that is not mirrored.
+    // From (against the closing direction, x, y) to (x, y, z) of the pad without the mirror.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
     let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
     let force = reshape(tape, &force, loads.depth.len());
@@ -279,21 +282,22 @@ fn linear_response<T: Real>(
     let unit = norms.stress / norms.displacement;
     let given = displaced(tape, pad, &moved);
     let mirrored = apply(tape, &diagonal(&[x * unit, y * unit, unit]), &reshape(tape, &given, 3 * given.rows));
-    // Von Mises' norm does not know of mirrors.
+    // The von Mises norm is invariant under mirrors.
     (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviated(tape, pad, &moved)))
 }
 
-/// Returns the force of the projected contact on each node: its share as a logarithm, and the part along the face.
+/// Returns the projected contact on each node: the logarithm of its fraction of the force, and tangential over normal
+/// force.
 fn carried<T: Real>(inputs: &Inputs, loads: &LoadFeatures) -> Matrix<T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
     constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }
 
-/// Share added to that of every node before the logarithm, so that a node without force has one, too.
+/// Fraction added to that of every node, so that the logarithm is finite for a node without force.
 pub const LITTLE: f32 = 1e-4;
 
-/// Repeats every row `times` times, one after the other.
+/// Repeats every row `times` times consecutively.
 fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {
     let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
     apply(tape, &map, x)

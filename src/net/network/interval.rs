@@ -1,49 +1,53 @@
-//! Interval of a network's error: split conformal prediction (Lei et al. 2018) on what an answer says of itself.
+//! Prediction interval of a network's error: split conformal prediction (Lei et al. 2018) on error indicators of an
+//! answer.
 //!
-//! The logarithm of the error is linear in the signs of an answer, by non-negative least squares over one half of the grasps that are kept from
-//! training. Of the ratios of error to estimate on the other half, nine of ten are below the factor: so are those of grasps like them.
+//! The logarithm of the error is estimated as a linear function of the indicators, by least squares on one half of the
+//! grasps held out from the training, with non-negative weights where a larger indicator means a larger risk. The other
+//! half yields the factor from the estimate to the end of the interval, so that the interval contains 90 % of the
+//! errors of similar grasps.
 
 use crate::record::ErrorBound;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 
-/// Signs of an answer's error, all dimensionless: one; logarithms of the mismatch of the pressed nodes and of the deepest overlap with the
-/// object over the depth, and of depth over thickness; rotation of the object; what lies between nodes over the depth; push over force.
+/// Error indicators of an answer, all dimensionless: the constant 1; logarithms of the mismatch of the pressed nodes
+/// and of the deepest overlap with the object, over the depth, and of depth over thickness; rotation of the object;
+/// difference between nodal gaps and the smallest gaps around them, over the depth; push over force.
 pub type Signs = [f64; 7];
 
-/// Signs of which a larger one never narrows an interval, whatever a few grasps say: all but the constant and the depth.
+/// Indicators whose increase must never narrow an interval: all except the constant and the depth.
 const RISKS: [usize; 5] = [1, 2, 4, 5, 6];
-/// Part of unseen grasps that an interval holds.
+/// Fraction of unseen grasps within an interval.
 pub const LEVEL: f64 = 0.9;
-/// Least number of grasps that an interval is found on: ten for the estimate and ten for the factor. Nine errors are the fewest whose largest
-/// one nine of ten further errors stay below: that of rank `ceil(0.9 (n + 1))` among `n` (Lei et al. 2018).
+/// Smallest number of grasps for an interval: ten for the estimate and ten for the factor. With fewer than nine errors
+/// not even the largest is a bound: the bound is that of rank `ceil(0.9 (n + 1))` among `n` (Lei et al. 2018).
 pub const FEWEST: usize = 20;
-/// Error below which errors do not differ.
+/// Error below which errors are not distinguished.
 const LEAST: f64 = 1e-3;
-/// Weight against large coefficients, per sample.
+/// Ridge regularisation of the coefficients, per sample.
 const RIDGE: f64 = 1e-3;
 
-/// Interval of one quantity.
+/// Prediction interval of one quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
-    /// Coefficients of the logarithm of the error.
+    /// Coefficients of the logarithm of the error, one per indicator.
     weights: Signs,
     /// Factor from the estimate to the end of the interval.
     factor: f64,
 }
 
-/// Intervals of displacement, stress and travel.
+/// Prediction intervals of displacement, stress and travel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     displacement: Bound,
     stress: Bound,
     travel: Bound,
-    /// Number of grasps that it was found on.
+    /// Number of grasps that it was fitted to.
     grasps: usize,
 }
 
-/// Signs and relative errors of the levels of a grasp that was kept from training.
+/// Indicators and relative errors of the levels of a grasp held out from the training.
 pub type Kept = Vec<(Signs, [f64; 3])>;
 
 impl Bound {
@@ -58,7 +62,7 @@ impl Bound {
             }
         }
         (0..N).for_each(|i| matrix[(i, i)] += RIDGE * levels.len() as f64);
-        // Non-negative least squares: the most negative weight of a risk is held at zero, one after the other.
+        // Non-negative least squares (active set): the most negative weight of a risk is fixed at zero, one at a time.
         let mut used = [true; N];
         let weights: Signs = loop {
             let held =
@@ -78,7 +82,7 @@ impl Bound {
         Some(own).filter(|own| own.is_finite())
     }
 
-    /// Returns the end of the interval for an answer with these signs.
+    /// Returns the upper end of the interval for an answer with these indicators.
     fn at(&self, signs: &Signs) -> f64 {
         self.factor * self.weights.iter().zip(signs).map(|(w, s)| w * s).sum::<f64>().clamp(-10.0, 10.0).exp()
     }
@@ -89,7 +93,8 @@ impl Bound {
 }
 
 impl Interval {
-    /// Finds the intervals from grasps that were kept from training, from halves of them; None from fewer than [`FEWEST`].
+    /// Fits the intervals to grasps held out from the training, one half for the estimate and one for the factor; None
+    /// for fewer than [`FEWEST`].
     pub fn fit(kept: &[Kept]) -> Option<Self> {
         if kept.len() < FEWEST {
             return None;
@@ -102,7 +107,7 @@ impl Interval {
         Some(Self { displacement: bound(0)?, stress: bound(1)?, travel: bound(2)?, grasps: kept.len() })
     }
 
-    /// Returns the ends of the intervals for an answer with these signs.
+    /// Returns the upper ends of the intervals for an answer with these indicators.
     pub fn at(&self, signs: &Signs) -> ErrorBound {
         ErrorBound {
             displacement: self.displacement.at(signs),
@@ -111,12 +116,12 @@ impl Interval {
         }
     }
 
-    /// Returns true if it was found on enough grasps; older models have intervals of fewer.
+    /// Returns true if it was fitted to enough grasps; older models have intervals from fewer.
     pub fn holds(&self) -> bool {
         self.grasps >= FEWEST
     }
 
-    /// Checks that training can give such numbers. The error says what is wrong.
+    /// Checks that the values are valid. The error states what is wrong.
     pub(crate) fn check(&self) -> Result<(), String> {
         let all = [("displacement", self.displacement), ("stress", self.stress), ("travel", self.travel)];
         match all.into_iter().find(|(_, bound)| !bound.is_finite()) {
@@ -133,7 +138,7 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// Grasps whose error follows a sign, with scatter of a factor.
+    /// Draws grasps whose error depends on an indicator, with multiplicative scatter.
     fn drawn(count: usize, random: &mut Random) -> Vec<Kept> {
         let mut grasp = || {
             let sign = 4.0 * random.unit() - 4.0;

@@ -1,6 +1,6 @@
-//! Networks: one per file, each behind [`Network`].
+//! Networks, one per file, each an implementation of [`Network`].
 //!
-//! A new network needs a file that implements [`Network`], its sizes in [`NetworkSpec`], and a line in [`build`].
+//! To add a network, implement [`Network`] in a new file, and add its sizes to [`NetworkSpec`] and a line to [`build`].
 
 pub mod card;
 pub mod face;
@@ -37,23 +37,23 @@ pub struct Normalisers {
     pub node_load: Normaliser,
     /// Statistics of [`super::features::loads::PAD_LOAD`].
     pub pad_load: Normaliser,
-    /// Statistics for a network that sees whole pads.
+    /// Statistics for a network on the full pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume: Option<VolumeNormalisers>,
     /// Root mean square of the displacement beyond the linear response to the contact, over the depth.
     pub displacement: f32,
     /// Root mean square stress over Young's modulus times depth over thickness.
     pub stress: f32,
-    /// Mean and deviation of the travel beyond that of the equilibrium, over that depth.
+    /// Mean and standard deviation of the travel beyond that of the equilibrium, over the depth.
     pub travel: [f32; 2],
-    /// Root mean square of the object's translation beyond that in the equilibrium, over the depth, and of its rotation, over depth
-    /// over thickness.
+    /// Root mean square of the object's translation beyond that of the equilibrium, over the depth, and of its rotation
+    /// beyond that of the equilibrium, over depth over thickness.
     pub motion: [f32; 2],
 }
 
 impl Normalisers {
-    /// Checks that training can give such statistics, with those of whole pads if the network sees `whole` pads. The error says
-    /// what is wrong.
+    /// Checks that the statistics are valid, including those of the full pads if the network uses `whole` pads. The
+    /// error states what is wrong.
     pub(crate) fn check(&self, whole: bool) -> Result<(), String> {
         self.node.check("node", features::NODE.len())?;
         self.edge.check("edge", features::EDGE.len())?;
@@ -99,18 +99,18 @@ pub struct VolumeNormalisers {
     pub contact: Normaliser,
 }
 
-/// Inputs of a pass: features, normalised the same way everywhere.
+/// Inputs of a pass: features of a grasp and their normalisation.
 pub struct Inputs<'a> {
     /// Features of the grasp.
     pub features: &'a GraspFeatures,
     /// Statistics of the training set.
     pub normalisers: &'a Normalisers,
-    /// Mirrors along x and y.
+    /// Flags: mirrored along x, and along y.
     pub mirror: (bool, bool),
 }
 
 impl Inputs<'_> {
-    /// Returns the signs of a vector's components (x, y) under the mirror.
+    /// Returns the signs of the x and y components of a vector under the mirror.
     pub(crate) fn signs(&self) -> [f32; 2] {
         [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(self.mirror))
     }
@@ -125,24 +125,26 @@ impl Inputs<'_> {
     }
 }
 
-/// Creates a matrix without a gradient, `cols` numbers to a row.
+/// Creates a constant matrix with `cols` columns.
 fn constant<T: Real>(cols: usize, rows: Vec<f32>) -> Matrix<T> {
     Matrix::constant(rows.len() / cols, cols, rows.into_iter().map(T::of).collect())
 }
 
-/// Returns the map to `times` copies of `rows` rows, one after the other.
+/// Returns the map from `rows` rows to `times` copies of all of them, one copy after the other.
 fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
     Sparse::gather((0..times).flat_map(|_| 0..rows), rows)
 }
 
-/// Prediction of a network at some load levels, in units of [`Normalisers`]; rows are levels, then pads, then nodes.
+/// Prediction of a network at some load levels, in units of [`Normalisers`]; rows are ordered by level, then pad, then
+/// node.
 #[derive(Debug, Clone)]
 pub struct NetworkOutput<T: Real = f32> {
     /// Displacement (levels * pads * nodes, 3).
     pub displacement: Matrix<T>,
     /// Stress (levels * pads * nodes, 1), non-negative.
     pub stress: Matrix<T>,
-    /// Contact force (levels * pads * face nodes, 3): share of the finger's force, and friction along x and y in that unit.
+    /// Contact force (levels * pads * face nodes, 3): fraction of the finger's force, and friction along x and y over
+    /// that force.
     pub contact: Matrix<T>,
     /// Travel (levels * pads, 1).
     pub travel: Matrix<T>,
@@ -154,9 +156,9 @@ pub struct NetworkOutput<T: Real = f32> {
 pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
     /// Returns the layout of the graph on which it passes messages.
     fn layout(&self) -> Layout;
-    /// Computes the pass that happens once per grasp. Its result is for [`Network::decode`] alone.
+    /// Encodes a grasp, once per grasp. Only [`Network::decode`] uses the result.
     fn encode(&self, tape: &Tape<T>, parameters: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>>;
-    /// Computes the pass for some load levels.
+    /// Computes the outputs at some load levels.
     fn decode(
         &self,
         tape: &Tape<T>,
@@ -167,7 +169,7 @@ pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
     ) -> NetworkOutput<T>;
 }
 
-/// Builds the network of a description and its start values; without a seed for them, all weights are zero.
+/// Builds the network of a description and its initial values; without a seed all weights are zero.
 pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
     let mut maker = Maker::new(seed);
     let network: Box<dyn Network<T>> = match spec {

@@ -1,4 +1,5 @@
-//! Network of the tactile paper (DefGraspNets, Huang et al. 2023): messages pass through the whole pads, once per load.
+//! Network of the tactile paper (DefGraspNets, Huang et al. 2023): message passing through the full pads, once per
+//! load.
 //!
 //! ```text
 //! encode  h, e, c = MLP(node), MLP(mesh edge), MLP(contact edge with its part of the force)
@@ -6,8 +7,9 @@
 //!                                h += MLP(h, sum e, sum c)
 //! decode  displacement = MLP(h), stress = ReLU(MLP(h))          per pad node
 //! ```
-//! MLPs have two hidden layers, ReLU, and a LayerNorm after them. A stepper needs more than the paper predicts: travel and motion
-//! of the object come from a head on the mean of `h` near the contact, contact forces from a layer on the face.
+//! MLPs have two hidden layers with ReLU, followed by a LayerNorm. A solver backend needs outputs beyond those of the
+//! paper: travel and motion of the object come from a head on the mean of `h` near the contact, contact forces from a
+//! layer on the face.
 
 use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::linear::edges::Edges;
@@ -35,7 +37,8 @@ impl Layer {
     }
 }
 
-/// Two hidden layers and a norm. The first layer takes several inputs separately, so that edges gather products, not inputs.
+/// Two hidden layers and a LayerNorm. The first layer has separate weights per input, so that products instead of
+/// inputs are gathered at the edges.
 #[derive(Debug)]
 struct Mlp {
     inputs: Vec<Id>,
@@ -89,7 +92,7 @@ pub struct PaperNetwork {
 }
 
 impl PaperNetwork {
-    /// Creates the network with start values from `maker`.
+    /// Creates the network with initial values from `maker`.
     pub fn new<T: Real>(sizes: &Paper, maker: &mut Maker<T>) -> Self {
         let h = sizes.latent.get();
         let inputs = [("node", VOLUME_NODE.len()), ("mesh", MESH_EDGE.len()), ("contact", CONTACT_EDGE.len())];
@@ -100,7 +103,7 @@ impl PaperNetwork {
             update: Mlp::new(maker, "block.node", &[h; 3], h),
             decode: Mlp::new(maker, "decode", &[h], h),
             displacement: Layer::new(maker, "displacement", h, 3, 0.1),
-            // Stress is positive nearly everywhere: started so, its ReLU is awake.
+            // Stress is positive almost everywhere: a positive initial bias keeps its ReLU active.
             stress: Layer(maker.weight("stress.weight", h, 1, 0.1), maker.row("stress.bias", 1, 1.0)),
             contact: Layer::new(maker, "contact", h, 3, 0.1),
             pooled: Mlp::new(maker, "pooled", &[h], h),
@@ -113,7 +116,7 @@ impl PaperNetwork {
         mlp.finish(tape, p, &[&mlp.input(tape, p, 0, x)])
     }
 
-    /// Computes the messages along `edges` that have the state `e`.
+    /// Computes the messages along `edges` with the state `e`.
     fn pass<T: Real>(
         tape: &Tape<T>,
         p: &Parameters<T>,
@@ -129,7 +132,7 @@ impl PaperNetwork {
     }
 }
 
-/// Returns the graph of the whole pads and its statistics, which this network always has.
+/// Returns the graph of the full pads and its statistics, which always exist for this network.
 fn seen<'a>(inputs: &'a Inputs) -> (&'a Volume, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
     volume.zip(inputs.normalisers.volume.as_ref()).expect("features are made for the layout of the network")

@@ -1,4 +1,4 @@
-//! Parameters of a network: named matrices in a fixed order, their start values, and their file.
+//! Parameters of a network: named matrices in a fixed order, their initial values, and their file.
 
 use crate::error::{Error, Result};
 use crate::net::autodiff::real::Real;
@@ -7,7 +7,7 @@ use crate::random::Random;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;
 
-/// Named matrices, in the order in which the network asked for them.
+/// Named matrices, in the order in which the network created them.
 #[derive(Debug, Clone)]
 pub struct Parameters<T: Real = f32> {
     names: Vec<String>,
@@ -15,11 +15,11 @@ pub struct Parameters<T: Real = f32> {
     pub matrices: Vec<Matrix<T>>,
 }
 
-/// Number of a parameter.
+/// Index of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Id(usize);
 
-/// Maker of the parameters of a network, with random start values.
+/// Builder of the parameters of a network, with random initial values.
 #[derive(Debug)]
 pub struct Maker<T: Real = f32> {
     random: Option<Random>,
@@ -27,7 +27,8 @@ pub struct Maker<T: Real = f32> {
 }
 
 impl<T: Real> Maker<T> {
-    /// Creates a maker. Equal seeds give equal parameters; None is for parameters whose values come from a file.
+    /// Creates a builder. Equal seeds yield equal parameters; without a seed weights are zero, to be loaded from a
+    /// file.
     pub fn new(seed: Option<u64>) -> Self {
         Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
@@ -46,12 +47,12 @@ impl<T: Real> Maker<T> {
         self.add(name.into(), rows, cols, value)
     }
 
-    /// Adds a row of equal numbers.
+    /// Adds a row of equal values.
     pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
         self.add(name.into(), 1, cols, vec![T::of(value); cols])
     }
 
-    /// Returns all parameters made.
+    /// Returns all parameters.
     pub fn finish(self) -> Parameters<T> {
         self.parameters
     }
@@ -63,16 +64,16 @@ impl<T: Real> Parameters<T> {
         &self.matrices[id.0]
     }
 
-    /// Returns the matrix of a name that the network asked for.
+    /// Returns the matrix with this name.
     ///
     /// # Panics
-    /// Panics without such a parameter.
+    /// Panics if there is no such parameter.
     pub fn named(&self, name: &str) -> &Matrix<T> {
         let at = self.names.iter().position(|n| n == name);
         &self.matrices[at.unwrap_or_else(|| panic!("the network has no parameter `{name}`"))]
     }
 
-    /// Returns the names, in order.
+    /// Returns the names, in the order of the matrices.
     pub fn names(&self) -> &[String] {
         &self.names
     }
@@ -99,10 +100,11 @@ impl Parameters {
         serialize(views, None).map_err(fail)
     }
 
-    /// Takes the values from `bytes`, the content of a file at `path` that holds exactly these parameters.
+    /// Loads the values from `bytes`, the content of a file at `path` with exactly these parameters.
     ///
     /// # Errors
-    /// Fails if the file is not safetensors, or if its names, shapes or numbers are not those of this network.
+    /// Fails if the file is not safetensors, or if its names or shapes differ from those of this network or a number is
+    /// not finite.
     pub fn load(&mut self, bytes: &[u8], path: &Path) -> Result<()> {
         let fail = |message: String| Error::file(path, message);
         let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;

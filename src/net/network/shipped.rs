@@ -1,4 +1,4 @@
-//! Models within the program, by name: they are available wherever it runs.
+//! Models embedded in the program, by name, so that they are available in any folder.
 
 use std::path::Path;
 
@@ -26,10 +26,10 @@ macro_rules! shipped {
 /// List of all shipped models.
 pub static ALL: [Shipped; 1] = shipped!["universe"];
 
-/// Name of the model that is used where none is named.
+/// Name of the default model.
 pub const SHIPPED: &str = "universe";
 
-/// Returns the shipped model that `model` names; None if it is a folder. A name is never a folder: `./NAME` is one.
+/// Returns the shipped model with the name `model`; None if it is a folder. A bare name is never a folder, `./NAME` is.
 pub fn named(model: &Path) -> Option<&'static Shipped> {
     ALL.iter().find(|shipped| model.as_os_str() == shipped.name)
 }
@@ -44,7 +44,7 @@ mod tests {
     use super::ALL;
     use crate::scene::stepper::SHIPPED_MODELS;
 
-    /// Checks that scenes know the names of the models in the program.
+    /// Checks that the model names listed for scenes are those of the embedded models.
     #[test]
     fn every_name_has_its_model() {
         assert!(ALL.iter().map(|shipped| shipped.name).eq(SHIPPED_MODELS));

@@ -21,7 +21,7 @@ pub struct Spec {
 pub enum NetworkSpec {
     /// Message passing on the sensing face, the whole force ramp from one pass: [`super::face`].
     Face(Face),
-    /// Network of the tactile paper, through whole pads, once per load: [`super::paper`].
+    /// Network of the tactile paper, through the full pads, once per load: [`super::paper`].
     Paper(Paper),
 }
 
@@ -29,11 +29,11 @@ pub enum NetworkSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Face {
-    /// Number of values per node while messages pass.
+    /// Number of values per node during message passing.
     pub latent: Count<1, 1024>,
     /// Number of rounds of message passing.
     pub rounds: Count<1, 64>,
-    /// Number of values per node while a load level is decoded.
+    /// Number of values per node during the decoding of a load level.
     pub decoder: Count<1, 1024>,
     /// Number of depth channels from the face to the bonded side.
     pub depths: Count<2, 64>,
@@ -74,23 +74,23 @@ pub struct Training {
     pub epochs: Count<1, 1000000>,
     /// Number of grasps per step.
     pub batch: Count<1, 4096>,
-    /// Number of load levels of a grasp in a step, drawn anew each time.
+    /// Number of load levels of a grasp in a step, redrawn in every step.
     pub levels: Count<1, 10000>,
-    /// Number of frames of a grasp that are kept in memory, evenly spread from the first to the last.
+    /// Number of frames per grasp in memory, evenly spaced from the first to the last.
     pub frames: Count<1, 10000>,
-    /// Largest step of Adam (Kingma and Ba 2015); it rises over the first 2 % of the steps, then falls as a cosine.
+    /// Largest step of Adam (Kingma and Ba 2015); linear warm-up over the first 2 % of the steps, then cosine decay.
     pub learning_rate: Positive,
-    /// Norm to which the gradient is cut.
+    /// Largest norm of the gradient; longer gradients are clipped to it.
     pub clip: Positive,
-    /// Part of the training grasps that is kept to decide when to stop.
+    /// Fraction of the training grasps held out for early stopping.
     pub validation: Fraction,
-    /// Number of epochs without a better validation error after which training stops.
+    /// Number of epochs without a smaller validation loss after which training stops.
     pub patience: Count<1, 1000000>,
     /// Weights of stress, contact force, travel and object motion in the loss; displacement has 1.
     pub weights: [f32; 4],
-    /// True to mirror grasps at random: four times the data.
+    /// Flag: grasps are mirrored at random, which quadruples the data.
     pub mirror: bool,
-    /// Seed of the start values, the order of the grasps, levels and mirrors.
+    /// Seed of the initial values and of the order of the grasps, their levels and mirrors.
     pub seed: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Adam (Kingma and Ba 2015), with moments that can be written down: training resumes exactly.
+//! Adam (Kingma and Ba 2015), with accessible moments, so that training resumes exactly.
 
 use crate::net::network::parameters::Parameters;
 use dfdx::tensor_ops::AdamConfig;
@@ -21,9 +21,9 @@ impl Adam {
         Self { step: 0, first: zeros.clone(), second: zeros }
     }
 
-    /// Takes one step of size `rate` against `gradients`.
+    /// Takes one step with learning rate `rate` against `gradients`.
     pub fn update(&mut self, parameters: &mut Parameters, gradients: &[Vec<f32>], rate: f64) {
-        // dfdx's own constants; its optimiser keeps its moments to itself.
+        // The constants of dfdx, whose own optimiser does not expose its moments.
         let AdamConfig { betas: [b1, b2], eps, .. } = AdamConfig::default();
         self.step += 1;
         let correct = |b: f64| 1.0 / (1.0 - b.powf(self.step as f64));

@@ -1,4 +1,4 @@
-//! State of a training run on disk, in one file, so that it is either whole or not there.
+//! State of a training run on disk, in one file that is replaced atomically.
 
 use super::TrainingState;
 use super::curves::Epoch;
@@ -7,10 +7,10 @@ use crate::files::atomic::write_durable;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Name of the file; it is removed once the model is finished.
+/// Name of the file; it is removed when the model is finished.
 const CHECKPOINT: &str = "checkpoint.bin";
 
-/// Header before the numbers.
+/// Header before the values.
 #[derive(Serialize, Deserialize)]
 struct Header {
     plan: String,
@@ -24,7 +24,7 @@ fn path(dir: &Path) -> PathBuf {
     dir.join(CHECKPOINT)
 }
 
-/// Writes the state: a line of RON (which gives numbers back to the bit), then weights, best weights and both moments, f32,
+/// Writes the state: a line of RON (which restores numbers exactly), then weights, best weights and both moments, f32,
 /// little-endian, and a checksum.
 ///
 /// # Errors
@@ -45,17 +45,17 @@ pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
     write_durable(&path(dir), &bytes)
 }
 
-/// Remains of an earlier run.
+/// State of an earlier run found on disk.
 pub enum Left {
     /// No file.
     Nothing,
-    /// File that differs from what was written.
+    /// File whose checksum or layout is wrong.
     Damaged(PathBuf),
     /// State of the earlier run.
     State(Box<TrainingState>),
 }
 
-/// Reads the remains of an earlier run of the same plan. `like` has the shapes.
+/// Reads the state of an earlier run of the same plan. `like` defines the shapes.
 ///
 /// # Errors
 /// Fails for a file of another plan, and for one that cannot be read.

@@ -1,4 +1,4 @@
-//! Loss curve as CSV, which grows with every epoch, and as PNG.
+//! Loss curve as CSV, extended after every epoch, and as PNG.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::write_atomic;
@@ -22,7 +22,7 @@ pub const CURVES: &str = "curves.csv";
 /// Header of the table.
 const HEADER: &str = "epoch,training_loss,validation_loss,learning_rate";
 
-/// Writes `curves.csv`, whole or not at all.
+/// Writes `curves.csv` atomically.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -37,7 +37,7 @@ pub fn write(dir: &Path, epochs: &[Epoch]) -> Result<()> {
 /// Reads `curves.csv`.
 ///
 /// # Errors
-/// Fails if the file cannot be read or is not what [`write()`] makes.
+/// Fails if the file cannot be read or does not have the format of [`write()`].
 pub fn read(dir: &Path) -> Result<Vec<Epoch>> {
     let path = dir.join(CURVES);
     let text =

@@ -1,4 +1,4 @@
-//! Training data: grasps of a data set, their statistics and range, and the part that decides when to stop.
+//! Training data: grasps of a data set, their statistics and range, and the held-out validation grasps.
 
 use crate::dataset::split::{Poses, Sets};
 use crate::dataset::{DataSet, Splits};
@@ -21,11 +21,12 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`, `without:OBJECT,OBJECT`. The
-/// last leaves out objects of these names and all that begin with one and a `-`: families of shapes of a universe.
+/// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`,
+/// `without:OBJECT,OBJECT`. The last excludes objects of these names and all whose names begin with one and a `-`:
+/// families of shapes of a universe.
 ///
 /// # Errors
-/// Fails for a name that no data set has; the message lists those that they have.
+/// Fails if the split has no test poses in any data set; the message lists the available splits and objects.
 pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
     let of = |splits: &Splits| match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
@@ -35,7 +36,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
         _ => None,
     };
     let found: Vec<Sets> = sets.iter().map(|splits| of(splits).unwrap_or_default()).collect();
-    // A data set may lack the object, all of them may not.
+    // Some data sets may lack the object, but not all.
     if found.iter().any(|split| !split.test.is_empty()) {
         return Ok(found);
     }
@@ -46,7 +47,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
     )))
 }
 
-/// Returns what names the plans of data sets in a card: the plan of one, or a hash of several.
+/// Returns the identifier of the data sets' plans in a card: the plan of one, or a hash of several.
 pub fn plan(sets: &[DataSet]) -> String {
     match sets {
         [set] => set.manifest.plan.clone(),
@@ -60,11 +61,11 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Reads the grasps that each set's poses name, with the range that they span; at most `frames` frames of each. Their pads go to
-/// those that are `known`.
+/// Reads the grasps of each set's poses, at most `frames` frames of each, and their range. Graphs of their pads are
+/// taken from `known` or added to it.
 ///
 /// # Errors
-/// Fails for damaged files or grasps, for a mix that one model cannot serve, and if there is no grasp.
+/// Fails for damaged files or grasps, for a mixture that one model cannot represent, and if there is no grasp.
 pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
     for (set, poses) in sets {
@@ -95,8 +96,9 @@ pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Re
     range.map(|range| (samples, range)).ok_or_else(empty)
 }
 
-/// Takes `part` of `samples` out, by a permutation of `seed`: (kept, taken out). Whole objects go out where there are at least
-/// thirty: grasps of the same object know each other. At least one sample stays; of two, one is taken out.
+/// Splits the fraction `part` of `samples` off, by a permutation of `seed`: (remaining, held out). With thirty objects
+/// or more, they are held out object by object, since grasps of the same object are correlated. At least one sample
+/// remains and, of two or more, at least one is held out.
 pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
     let mut random = Random::new(seed);
     let mut objects: Vec<String> = samples.iter().map(|s| s.object.clone()).collect();
@@ -117,7 +119,7 @@ pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Ve
     (kept, out)
 }
 
-/// Number of objects from which on whole objects are set aside.
+/// Number of objects from which on samples are held out object by object.
 const MANY: usize = 30;
 
 /// Computes the statistics of a training set. The bounds of the features include those of the validation samples.
@@ -130,7 +132,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
         Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
     };
-    // Stress over the depth of its level and pad, and over E / t.
+    // Stress over its unit: E times depth over thickness, for the depth of its level and pad.
     let stress = {
         let of = |(s, l): (&Sample, &&LoadFeatures)| {
             let width = s.stress.len() / l.depth.len();
@@ -173,10 +175,10 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
     }
 }
 
-/// Whole pads, and their contact edges at all forces.
+/// Graph of the full pads, and the features of their contact edges at all forces.
 type Whole = (Arc<Volume>, Vec<f32>);
 
-/// Computes the statistics of the whole pads, if the samples have them.
+/// Computes the statistics of the full pads, if the samples have them.
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
     let of = |s: &Sample| {
         let volume = s.features.volume.clone()?;
@@ -195,14 +197,15 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
     })
 }
 
-/// Returns the root mean square of the displacement beyond the linear response to the true contact forces, over the depth.
+/// Returns the root mean square of the displacement beyond the linear response to the true contact forces, over the
+/// depth.
 fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {
         let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());
         let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
-        // A network of whole pads gives the displacement by itself.
+        // A network of the full pads predicts the total displacement.
         let (pad, tape) = (&graph.compliance, Tape::silent());
         let given =
             matches!(graph.layout, Layout::Face { .. }).then(|| displaced(&tape, pad, &respond(&tape, pad, &force)));

@@ -6,14 +6,14 @@ use crate::record::ErrorBound;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Errors of one frame of one grasp, over both pads. Relative errors are relative to the field's L2 norm in that frame.
+/// Errors of one frame of one grasp, over all pads. Relative errors are relative to the field's L2 norm in that frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameError {
     /// Name of the object.
     pub object: String,
-    /// Number of the grasp.
+    /// Index of the grasp.
     pub grasp: usize,
-    /// Number of the frame.
+    /// Index of the frame.
     pub frame: usize,
     /// Force per finger, N.
     pub force_n: f64,
@@ -23,7 +23,7 @@ pub struct FrameError {
     pub displacement: f64,
     /// Displacement, root mean square over the nodes, mm.
     pub displacement_mm: f64,
-    /// Displacement, largest of a node, mm.
+    /// Displacement, largest over the nodes, mm.
     pub displacement_worst_mm: f64,
     /// Von Mises stress, relative.
     pub stress: f64,
@@ -31,7 +31,7 @@ pub struct FrameError {
     pub stress_kpa: f64,
     /// Nodal contact force, relative.
     pub contact_force: f64,
-    /// Contact force gathered at the corners of the elements, relative.
+    /// Contact force gathered at the corner nodes of the elements, relative.
     pub traction: f64,
     /// Travel, mean over the fingers, relative.
     pub travel: f64,
@@ -41,11 +41,11 @@ pub struct FrameError {
     pub object_mm: f64,
     /// Rotation of the object, degrees.
     pub object_deg: f64,
-    /// Error by the network's own account.
+    /// Prediction interval of the network.
     pub bound: ErrorBound,
 }
 
-/// Returns displacement and stress that FEM found, all pads, level `k`.
+/// Returns displacement and stress simulated by finite elements, of all pads, at level `k`.
 pub(crate) fn truth(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
     let n = sample.stress.len() / sample.forces.len();
     let vectors = sample.displacement[3 * k * n..3 * (k + 1) * n].as_chunks::<3>().0;
@@ -53,7 +53,7 @@ pub(crate) fn truth(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
     (u, sample.stress[k * n..(k + 1) * n].iter().map(|v| f64::from(*v)).collect())
 }
 
-/// Measures the errors of a prediction at level `k` of a sample.
+/// Computes the errors of a prediction at level `k` of a sample.
 pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
     let states = &state.pads;
     let (u, s) = truth(sample, k);

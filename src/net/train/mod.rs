@@ -1,7 +1,8 @@
-//! Training: data-parallel over the cores, the same bits on any number of threads, resumable after any kill.
+//! Training: data-parallel over the cores, bitwise identical on any number of threads, resumable after an interruption
+//! at any time.
 //!
-//! All random choices come from (seed, epoch, grasp), so that an epoch needs no memory of the ones before it: weights and moments
-//! after an epoch are the whole state (`checkpoint.rs`).
+//! All random choices are functions of (seed, epoch, grasp), so that an epoch depends on earlier ones only through
+//! weights and moments, which are stored after each epoch (`checkpoint.rs`).
 
 pub mod adam;
 mod checkpoint;
@@ -44,12 +45,12 @@ pub struct Trainer {
     validation: Vec<Sample>,
     /// State of the run: weights, those of the best epoch, moments, and all epochs so far.
     state: TrainingState,
-    /// Notices about the start, a sentence each.
+    /// Notices about the start, one sentence each.
     pub notices: Vec<String>,
     _lock: FolderLock,
 }
 
-/// State that an epoch leaves to the next.
+/// State after an epoch.
 #[derive(Debug, Clone)]
 pub struct TrainingState {
     /// Current weights.
@@ -80,12 +81,13 @@ pub enum End {
 }
 
 impl Trainer {
-    /// Reads the training grasps of `split` in all of `sets`, and the state of an earlier run of the same plan in `dir`. Locks `dir` until the end.
+    /// Reads the training grasps of `split` in all of `sets`, and the state of an earlier run of the same plan in
+    /// `dir`. Locks `dir` until it is dropped.
     ///
     /// # Errors
     /// Fails if the data cannot be used, and if the folder is locked by another training or holds another model.
     pub fn new(sets: &[DataSet], spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
-        // Before anything long: what another one writes meanwhile must not be replaced at the end.
+        // First of all, so that a model written meanwhile by another process is not overwritten at the end.
         let lock = FolderLock::alone(dir, "tactus train")?;
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
@@ -115,7 +117,7 @@ impl Trainer {
         Ok(trainer)
     }
 
-    /// Returns the plan: all that decides the bits of the result.
+    /// Returns the plan: everything that determines the resulting weights.
     fn plan(&self) -> Result<String> {
         let spec = ron::to_string(&self.card.spec).map_err(|e| Error::Solver(e.to_string()))?;
         let Card { tactus, features, data, split, .. } = &self.card;
@@ -140,7 +142,8 @@ impl Trainer {
     /// Trains to the end and calls `watch` after every epoch. Every epoch is stored on disk before the next one starts.
     ///
     /// # Errors
-    /// Fails if the loss is not finite: the last good epoch stays on disk. Fails if files cannot be written.
+    /// Fails if the loss is not finite, in which case the last good epoch stays on disk, and if files cannot be
+    /// written.
     pub fn run(&mut self, mut watch: impl FnMut(&Self)) -> Result<End> {
         let training = self.card.spec.training;
         let plan = self.plan()?;
@@ -171,7 +174,7 @@ impl Trainer {
         let mut state = self.state.clone();
         let mut total = 0.0;
         for (k, batch) in order.chunks(training.batch.get()).enumerate() {
-            // In the order of the batch, whichever thread was first.
+            // In the order of the batch, independent of the scheduling of threads.
             let parts: Vec<(f64, Vec<Vec<f32>>)> = batch
                 .par_iter()
                 .map(|&i| interrupt::check().map(|()| self.gradient(&state.parameters, i, number)))
@@ -234,7 +237,7 @@ impl Trainer {
         (f64::from(loss.value()[0]), tape.backward(&loss, &parameters.matrices))
     }
 
-    /// Finds the interval of the error of the best weights on the grasps that were kept from training.
+    /// Fits the prediction interval of the best weights to the grasps held out from the training.
     fn interval(&self) -> Result<Option<Interval>> {
         let (network, _) = build(&self.card.spec.network, None);
         let predictor = Predictor::of(self.card.clone(), network, self.state.best.clone());
@@ -250,7 +253,7 @@ impl Trainer {
         Ok(Interval::fit(&kept.collect::<Result<Vec<Kept>>>()?))
     }
 
-    /// Writes the model: card with the interval of its error, best weights, curves.
+    /// Writes the model: card with prediction interval, best weights, curves.
     fn finish(&mut self) -> Result<()> {
         let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
         (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
@@ -261,7 +264,7 @@ impl Trainer {
     }
 }
 
-/// Computes the loss of a sample as in training.
+/// Computes the loss of a sample on `tape`.
 pub fn pass<T: Real>(
     tape: &Tape<T>,
     network: &dyn Network<T>,
@@ -277,7 +280,7 @@ pub fn pass<T: Real>(
     sample.loss(tape, &out, normalisers, mirror, &training.weights)
 }
 
-/// Computes the mean loss over all levels of `samples`, not mirrored.
+/// Computes the mean loss over all levels of `samples`, without mirrors.
 pub fn loss(
     network: &dyn Network,
     parameters: &Parameters,
@@ -286,7 +289,7 @@ pub fn loss(
     samples: &[Sample],
 ) -> f64 {
     let of = |s: &Sample| {
-        // Nobody asks for the loss any more.
+        // After an interrupt the loss is not used.
         if interrupt::requested() {
             return f64::NAN;
         }
@@ -296,7 +299,7 @@ pub fn loss(
     losses.iter().sum::<f64>() / losses.len().max(1) as f64
 }
 
-/// Returns the learning rate of step `step`.
+/// Returns the learning rate of a step.
 fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
     let total = (training.epochs.get() * per_epoch) as f64;
     let (at, warm) = ((step as f64 + 0.5) / total, 0.02);
@@ -304,7 +307,7 @@ fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
     training.learning_rate.get() * if at < warm { at / warm } else { fall }
 }
 
-/// Returns a different seed for every grasp of every epoch.
+/// Returns the random seed of a grasp in an epoch.
 fn key(seed: u64, epoch: usize, grasp: usize) -> u64 {
     let mut random = Random::new(seed ^ (epoch as u64).rotate_left(32));
     random.bits() ^ Random::new(grasp as u64).bits()

@@ -1,4 +1,4 @@
-//! Samples: one grasp of a data set, with features from its stored scene, and the results of FEM.
+//! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
 use crate::dataset::{ObjectFile, StoredGrasp};
 use crate::error::{Error, Result};
@@ -20,14 +20,14 @@ use crate::world::components::ObjectPose;
 
 use std::sync::Arc;
 
-/// Grasp for training or for judging a model. Fields are SI, pad frames; levels, then pads, then nodes.
+/// Grasp for training or evaluation. Fields are in SI and pad frames, ordered by level, then pad, then node.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Name of the object.
     pub object: String,
-    /// Number of the grasp.
+    /// Index of the grasp.
     pub grasp: usize,
-    /// Numbers of the frames kept.
+    /// Indices of the frames in this sample.
     pub frames: Vec<usize>,
     /// Features of the grasp.
     pub features: GraspFeatures,
@@ -45,24 +45,25 @@ pub struct Sample {
     pub contact: Vec<f32>,
     /// Travel (levels, pads), m.
     pub travel: Vec<f64>,
-    /// Motion (levels, pads, 6): translation (m) of the point of the object amid the pads, rotation vector, from first contact.
+    /// Motion (levels, pads, 6) since first contact: translation (m) of the point of the object midway between the
+    /// pads, rotation vector.
     pub motion: Vec<f64>,
 }
 
-/// Builds the model that a file of a data set was made with.
+/// Builds the model of a file of a data set.
 ///
 /// # Errors
-/// Fails if the scene can no longer be built.
+/// Fails if the scene cannot be built.
 pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
     let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
     Model::build(&from_ron(&file.scene).map_err(bad)?.on_own_mesh())
 }
 
 impl Sample {
-    /// Reads a grasp, at most `most` frames of it, evenly spread from the first to the last.
+    /// Reads a grasp, at most `most` of its frames, evenly spaced from the first to the last.
     ///
     /// # Errors
-    /// Fails if the grasp is damaged, or if its first contact can no longer be found.
+    /// Fails if the grasp is damaged, or if its first contact cannot be found.
     pub fn read(
         file: &ObjectFile,
         model: &Arc<Model>,
@@ -73,10 +74,10 @@ impl Sample {
         Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
     }
 
-    /// Makes the sample of a grasp that has been read. No result of FEM enters the features.
+    /// Creates the sample of a grasp that has been read. The features do not depend on finite-element results.
     ///
     /// # Errors
-    /// Fails if first contact can no longer be found.
+    /// Fails if first contact cannot be found.
     pub fn of(
         file: &ObjectFile,
         model: &Arc<Model>,
@@ -94,7 +95,7 @@ impl Sample {
         let features = GraspFeatures::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
         let all = loads_of(model);
-        // The force as it was applied.
+        // With the force that the simulation applied.
         let given =
             frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
         let mut sample = Self {
@@ -130,7 +131,7 @@ impl Sample {
         Ok(sample)
     }
 
-    /// Returns a part of the sample: these levels only.
+    /// Returns a sample with these levels only.
     pub fn levels(&self, levels: &[usize]) -> Self {
         let count = self.forces.len();
         Self {
@@ -149,9 +150,10 @@ impl Sample {
         }
     }
 
-    /// Computes the loss of `output`, 1 x 1: relative errors (L2) of each level, averaged over the levels, weighted and added.
+    /// Computes the loss of `output`, 1 x 1: relative errors (L2) of each level in a bounded form ([`root_error`]),
+    /// averaged over the levels, weighted and added.
     ///
-    /// Travel and motion count in the units of [`Normalisers`].
+    /// Travel and motion are in the units of [`Normalisers`].
     pub fn loss<T: Real>(
         &self,
         tape: &Tape<T>,
@@ -163,7 +165,7 @@ impl Sample {
         let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
         let depth = &loads.depth;
         let t = self.features.graph.thickness;
-        // Per row of a field: target in the network's unit, and one over the square of the field's norm at that level.
+        // Per row of a field: target in the network's unit, and the inverse square of the field's norm at that level.
         let field = |all: &[f32], cols: usize, signs: &[f32], unit: &dyn Fn(usize) -> f64| {
             let per_pad = all.len() / (levels * pads);
             let mut target: Vec<f32> = Vec::with_capacity(all.len());
@@ -182,7 +184,7 @@ impl Sample {
         let (u, u_rows) = field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement));
         let stress_unit = |at: usize| self.features.young * depth[at] / t * f64::from(norms.stress);
         let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit);
-        // On the pad, the object presses against the closing direction.
+        // In the pad frame the object presses against the closing direction.
         let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
         let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
         let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing[at] * self.features.unit_force());
@@ -199,7 +201,7 @@ impl Sample {
                 ((v - loads.motion[i]) / unit) as f32 * signs[i % 6]
             })
             .collect();
-        // A deviation of the travel counts as much as it matters: over the mean travel.
+        // The error of the travel is relative to the mean travel.
         let travel_rows: Vec<f32> = (0..levels * pads)
             .map(|i| {
                 let own = &self.travel[i / pads * pads..][..pads];

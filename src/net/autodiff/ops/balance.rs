@@ -1,12 +1,13 @@
-//! Contact forces on a free object, in balance.
+//! Equilibrium of a free object under contact forces.
 
 use crate::linear::balance::ObjectBalance;
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use std::sync::Arc;
 
-/// Brings the contact forces x (levels * pads * nodes, 3) of each level into the balance of that level. Without balances it returns
-/// x itself. The components along x and y have the signs `mirror` of those of the pads.
+/// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at
+/// that level. Returns x itself if `balances` is empty. `mirror` holds the signs of the x and y components relative to
+/// those of the pads.
 pub fn balanced<T: Real>(
     tape: &Tape<T>,
     x: &Matrix<T>,

@@ -1,4 +1,4 @@
-//! Operations of the network: each with its forward and its backward kernel, one per file.
+//! Operations of the network, one per file, each with its forward and its backward kernel.
 
 mod balance;
 mod linear;

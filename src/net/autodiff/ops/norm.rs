@@ -3,10 +3,11 @@
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// Number added to the variance.
+/// Regularisation added to the variance.
 const EPSILON: f32 = 1e-5;
 
-/// Brings every row of x (n, m) to mean 0 and variance 1, then multiplies it by `gain` (1, m) and adds `shift` (1, m).
+/// Normalises every row of x (n, m) to mean 0 and variance 1, then multiplies it by `gain` (1, m) and adds `shift` (1,
+/// m).
 pub fn layer_norm<T: Real>(tape: &Tape<T>, x: &Matrix<T>, gain: &Matrix<T>, shift: &Matrix<T>) -> Matrix<T> {
     let m = x.cols;
     let (one, count) = (T::of(1.0), T::of(m as f32));

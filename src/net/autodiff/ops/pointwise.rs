@@ -1,32 +1,32 @@
-//! Operations entry by entry: sums with an activation, products, reshaping, the squared error.
+//! Elementwise operations: sums with an activation, products, reshaping, the training loss.
 
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
-/// Function of one number, with its slope. No activation needs exp, which does not vectorise.
+/// Scalar activation function and its derivative. None needs exp, which does not vectorise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activation {
     /// Identity.
     None,
-    /// Gated linear unit with an algebraic gate: `z (1 + z / sqrt(1 + z2)) / 2`.
+    /// Gated linear unit with an algebraic sigmoid: `z (1 + z / sqrt(1 + z2)) / 2`.
     Gated,
-    /// Function above zero everywhere (squareplus, Barron 2021): `(z + sqrt(z2 + 1)) / 2`.
+    /// Positive function (squareplus, Barron 2021): `(z + sqrt(z2 + 1)) / 2`.
     Positive,
     /// Rectifier `max(z, 0)`.
     Relu,
 }
 
 impl Activation {
-    /// Returns its value at `z`.
+    /// Returns the value at `z`.
     #[inline(always)]
     pub fn value<T: Real>(self, z: T) -> T {
         let (zero, half, one) = (T::of(0.0), T::of(0.5), T::of(1.0));
         match self {
             Activation::None => z,
             Activation::Gated => half * z * (one + z / (one + z * z).sqrt()),
-            // For z << 0 the sum would cancel.
+            // The other form avoids cancellation for z << 0.
             Activation::Positive => {
                 let root = (z * z + one).sqrt();
                 if z < zero { half / (root - z) } else { half * (z + root) }
@@ -41,7 +41,7 @@ impl Activation {
         }
     }
 
-    /// Returns its derivative at `z`.
+    /// Returns the derivative at `z`.
     #[inline(always)]
     pub fn slope<T: Real>(self, z: T) -> T {
         let (half, one) = (T::of(0.5), T::of(1.0));
@@ -54,7 +54,7 @@ impl Activation {
         }
     }
 
-    /// Returns its values at `z`, and the part of `z` that [`Self::sloped`] needs.
+    /// Returns the values at `z`, and what [`Self::sloped`] needs of `z`.
     pub fn applied<T: Real>(self, z: Vec<T>) -> (Vec<T>, Vec<T>) {
         match self {
             Activation::None => (z, Vec::new()),
@@ -62,7 +62,7 @@ impl Activation {
         }
     }
 
-    /// Turns the gradient of the values into that of `z`.
+    /// Converts the gradient with respect to the values into that with respect to `z`.
     pub fn sloped<T: Real>(self, mut out: Vec<T>, z: &[T]) -> Vec<T> {
         if self != Activation::None {
             Arch::new().dispatch(Slopes { act: self, z, dz: &mut out });
@@ -86,7 +86,7 @@ impl<T: Real> WithSimd for Values<'_, T> {
     }
 }
 
-/// Kernel of `dz = dz * slope of act at z`.
+/// Kernel of `dz *= act'(z)`.
 struct Slopes<'a, T> {
     act: Activation,
     z: &'a [T],
@@ -103,7 +103,7 @@ impl<T: Real> WithSimd for Slopes<'_, T> {
     }
 }
 
-/// Computes `act(a + b + ...)` of matrices of one shape.
+/// Computes `act(a + b + ...)` of matrices of the same shape.
 pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Matrix<T> {
     let (rows, cols) = (terms[0].rows, terms[0].cols);
     assert!(terms.iter().all(|t| (t.rows, t.cols) == (rows, cols)), "terms of a sum have one shape");
@@ -121,7 +121,7 @@ pub fn sum<T: Real>(tape: &Tape<T>, terms: &[&Matrix<T>], act: Activation) -> Ma
     })
 }
 
-/// Computes the product of `a` and `b`, entry by entry.
+/// Computes the elementwise product of `a` and `b`.
 pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     assert_eq!((a.rows, a.cols), (b.rows, b.cols), "factors have one shape");
     let y = a.value().iter().zip(b.value()).map(|(a, b)| *a * *b).collect();
@@ -136,7 +136,7 @@ pub fn product<T: Real>(tape: &Tape<T>, a: &Matrix<T>, b: &Matrix<T>) -> Matrix<
     })
 }
 
-/// Returns the numbers of `x` as `rows` rows.
+/// Returns the entries of `x`, in row-major order, in `rows` rows.
 pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T> {
     let out = x.shaped(rows, x.rows * x.cols / rows, tape.tracks(&[x]));
     let x = x.clone();
@@ -144,16 +144,16 @@ pub fn reshape<T: Real>(tape: &Tape<T>, x: &Matrix<T>, rows: usize) -> Matrix<T>
     out
 }
 
-/// Computes the error of `x` against `target`, 1 x 1. For each of `groups` equal groups of rows, r is the root of sum(weight *
-/// squared difference); the result is the mean of r / (1 + r). A bounded function of a root keeps the few hard groups from
-/// outweighing the others: a group that is off by several times its size has almost no gradient.
+/// Computes the loss of `x` against `target`, 1 x 1. For each of `groups` equal groups of rows, r is the root of
+/// sum(weight * squared difference); the result is the mean of r / (1 + r). This bounded function limits the influence
+/// of a few hard groups: the gradient almost vanishes where the error is several times the size of the target.
 pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight: &[f32], groups: usize) -> Matrix<T> {
     assert!(target.len() == x.value().len() && weight.len() == x.rows, "a target has the shape of what it judges");
     assert!(x.rows.is_multiple_of(groups), "groups are alike");
     let (cols, each) = (x.cols, x.rows / groups);
     let difference: Vec<T> = x.value().iter().zip(target).map(|(x, t)| *x - T::of(*t)).collect();
     let rows: Vec<(&[T], &f32)> = difference.chunks_exact(cols).zip(weight).collect();
-    // In f64: a sum of many squares of f32 would lose digits.
+    // In f64, since a sum of many squares would lose digits in f32.
     let square = |(d, w): &(&[T], &f32)| f64::from(**w) * d.iter().map(|d| d.f64().powi(2)).sum::<f64>();
     let roots: Vec<f64> =
         rows.chunks_exact(each).map(|g| (g.iter().map(square).sum::<f64>() + SMOOTH * SMOOTH).sqrt()).collect();
@@ -172,5 +172,5 @@ pub fn root_error<T: Real>(tape: &Tape<T>, x: &Matrix<T>, target: &[f32], weight
     })
 }
 
-/// Error below which a root counts as a square.
+/// Error below which the root is smoothed to a quadratic.
 const SMOOTH: f64 = 1e-3;

@@ -1,7 +1,8 @@
-//! Linear response of a pad on a tape: the motion of its nodes under forces on its face, and the stress of that motion.
+//! Linear response of a pad on a tape: displacement of its nodes under forces on its face, and the stress of this
+//! displacement.
 //!
-//! The matrix is far larger than the caches, so it is read once for [`LANES`] loads side by side. Stress is local: it depends on
-//! the motion of the neighbours of a node.
+//! The compliance matrix is far larger than the caches, so each reading of it serves [`LANES`] loads at once. Stress is
+//! local: it depends on the displacement of the neighbours of a node.
 
 use crate::linear::compliance::Compliance;
 use crate::linear::deviator::PARTS;
@@ -10,14 +11,15 @@ use crate::net::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 
-/// Number of loads that share the reading of the matrix.
+/// Number of loads per reading of the matrix.
 const LANES: usize = 8;
-/// Number of rows of the matrix that share the reading of the gradient of the forces.
+/// Number of rows of the matrix per reading of the gradient of the forces.
 const ROWS: usize = 12;
-/// Number for each of these loads.
+/// One number for each of these loads.
 type Lanes<T> = [T; LANES];
 
-/// Computes the motion of the nodes that can move (n, moving nodes * 3), in the order of their slots, from forces (n, forces).
+/// Computes the displacement of the free (not bonded) nodes (n, moving nodes * 3), in the order of their slots, from
+/// forces (n, forces).
 pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>) -> Matrix<T> {
     let (n, k, m) = (force.rows, pad.forces, pad.moving());
     let (x, mut y) = (side_by_side(force.value(), k), zeros(n, m));
@@ -31,7 +33,7 @@ pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>
     })
 }
 
-/// Computes the displacement of all nodes (n * nodes, 3) from the motion; zero where bonded.
+/// Scatters the displacement of the free nodes to all nodes (n * nodes, 3); zero where bonded.
 pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
     let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
     let mut u = vec![T::of(0.0); n * nodes * 3];
@@ -52,7 +54,8 @@ pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<
     })
 }
 
-/// Computes the deviatoric stress of all nodes (n * nodes, 5) from the motion: xx, yy, xy, yz, zx.
+/// Computes the deviatoric stress of all nodes (n * nodes, 5), xx, yy, xy, yz, zx, from the displacement of the free
+/// nodes.
 pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
     let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
     let (u, mut s) = (side_by_side(moved.value(), m), zeros(n, 5 * nodes));
@@ -80,13 +83,13 @@ impl<T: Real> WithSimd for Times<'_, T> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, x, y } = self;
         let (k, m) = (pad.forces, pad.moving());
-        // Three rows are a node.
+        // Three rows per node.
         for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
             let (a, rest) = rows.split_at(k);
             let (b, c) = rest.split_at(k);
             let rows = a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0).zip(c.as_chunks::<3>().0);
             for (x, y) in x.chunks_exact(k).zip(y.chunks_exact_mut(m)) {
-                // Nine sums: fewer would wait for themselves.
+                // Nine independent sums hide the latency of the addition.
                 let mut sum = [[[T::of(0.0); LANES]; 3]; 3];
                 for (((a, b), c), x) in rows.clone().zip(x.as_chunks::<3>().0) {
                     for k in 0..3 {
@@ -125,7 +128,7 @@ impl<T: Real> WithSimd for TimesTransposed<'_, T> {
                 match y.as_array::<ROWS>() {
                     Some(y) => {
                         let rows: [&[f32]; ROWS] = std::array::from_fn(|i| &rows[i * k..(i + 1) * k]);
-                        // Each gradient stays in its register for all of these rows.
+                        // Each gradient stays in a register for all of these rows.
                         for (j, x) in x.iter_mut().enumerate() {
                             rows.iter().zip(y).for_each(|(row, y)| add(x, row[j], y));
                         }
@@ -141,7 +144,7 @@ impl<T: Real> WithSimd for TimesTransposed<'_, T> {
     }
 }
 
-/// Component of the stress and of the displacement that each part of a neighbour connects ([`PARTS`]).
+/// Component of the stress and of the displacement that each coefficient of a neighbour connects ([`PARTS`]).
 const ENTRIES: [(usize, usize); PARTS] =
     [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (3, 1), (3, 2), (4, 2), (4, 0)];
 
@@ -208,7 +211,7 @@ fn zeros<T: Real>(rows: usize, cols: usize) -> Vec<Lanes<T>> {
     vec![[T::of(0.0); LANES]; rows.div_ceil(LANES) * cols]
 }
 
-/// Puts rows of `cols` numbers side by side, [`LANES`] at a time; the last ones are filled up with zeros.
+/// Interleaves rows of `cols` numbers in blocks of [`LANES`] rows; the last block is padded with zeros.
 fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
     let mut out = zeros(x.len() / cols.max(1), cols);
     for (r, row) in x.chunks_exact(cols.max(1)).enumerate() {

@@ -1,11 +1,13 @@
-//! Sharing of one force among the nodes of a pad.
+//! Distribution of one force over the nodes of a pad.
 
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// Computes the shares in every group of `size` rows of x (n, 3): a softmax of column 0, times (1, column 1, column 2).
+/// Computes the fractions of the force in every group of `size` rows of x (n, 3): a softmax of column 0, times (1,
+/// column 1, column 2).
 ///
-/// The shares of a group are above zero and sum to one: contact forces made of them carry exactly the force of the finger.
+/// The fractions of a group are positive and sum to one, so contact forces made of them sum exactly to the force of the
+/// finger.
 pub fn share<T: Real>(tape: &Tape<T>, x: &Matrix<T>, size: usize) -> Matrix<T> {
     assert!(x.cols == 3 && x.rows.is_multiple_of(size), "shares are made of whole groups of three columns");
     let mut y = Vec::with_capacity(x.value().len());

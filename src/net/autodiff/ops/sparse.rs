@@ -1,4 +1,4 @@
-//! Product of a fixed sparse matrix and a dense one, on a tape.
+//! Product of a constant sparse matrix and a dense one, on a tape.
 
 use crate::kernel::Sparse;
 use crate::net::autodiff::real::Real;

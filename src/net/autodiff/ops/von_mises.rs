@@ -1,9 +1,9 @@
-//! Von Mises' norm of deviatoric stress.
+//! Von Mises norm of the deviatoric stress.
 
 use crate::net::autodiff::real::Real;
 use crate::net::autodiff::tape::{Matrix, Tape};
 
-/// Small number that keeps the norm smooth where there is no stress.
+/// Regularisation that keeps the norm smooth at zero stress.
 pub const LITTLE: f32 = 1e-6;
 
 /// Computes `sqrt(3 (a2 + b2 + a b + c2 + d2 + e2))` of every row (xx, yy, xy, yz, zx) of x (n, 5): (n, 1).
