@@ -32,11 +32,11 @@ pub enum Expectation {
     ForceAt(ForceAt),
     /// Largest von Mises stress at the last frame, Pa.
     MaxStress(Bounds),
-    /// Dynamic: largest displacement in any frame of any point of the object, relative to the hand from the end of the
-    /// first squeeze on or, without fingers, relative to the world.
+    /// Dynamic: largest displacement (upper bound) of any point of the object in any frame, relative to the hand from
+    /// the end of the first squeeze on or, without fingers, relative to the world.
     ObjectHeld(Slip),
-    /// Dynamic: displacement at the last frame of any point of the object, m, relative to the same frame of reference
-    /// as in `ObjectHeld`.
+    /// Dynamic: largest displacement (upper bound) of any point of the object at the last frame, m, relative to the
+    /// same frame of reference as in `ObjectHeld`.
     ObjectSlides(Bounds),
     /// Dynamic: position of the object's centre of mass in the world at the last frame.
     ObjectAt(Place),

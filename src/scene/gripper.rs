@@ -33,8 +33,8 @@ pub struct Gripper {
     pub placement: Placement,
     /// Fingers that carry a pad and move.
     pub fingers: Fingers,
-    /// Robot description (URDF or MJCF) from which opening, stroke and placement are taken in place of the fields
-    /// above; a loaded scene holds the resulting numbers.
+    /// Robot description (URDF or MJCF) that replaces opening, stroke and placement, and pads and material if it has
+    /// soft pads; a loaded scene holds the resulting values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<Robot>,
     /// Notice about deviations of the robot description from a parallel gripper that were neglected.

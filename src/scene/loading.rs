@@ -24,8 +24,8 @@ pub struct Squeeze {
     /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
     /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the single pad carries all of it.
     pub force: Positive,
-    /// Force of the first frame, N; the further frames are at equal force steps up to `force`. None starts at `force /
-    /// frames`.
+    /// Force of the first frame, N; the frames are at equal force steps from there to `force`. None is one step of
+    /// `frames` equal steps from zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Positive>,
     /// Force at which a free object is released, N: below it, the object is held in place and a support carries its

@@ -21,8 +21,8 @@ pub struct Object {
     #[serde(default)]
     pub repair: bool,
     /// Contact surface of an object given as a triangle mesh. With None, a mesh file gets a smooth surface whose edges
-    /// are rounded with a radius of twice the spacing of the pad's surface nodes, unless its edges lie between flat
-    /// faces or it is too large, too thin or too sharp for that; `tactus check` reports the choice and the largest
+    /// are rounded with a radius of at most twice the spacing of the pad's surface nodes, unless its edges lie between
+    /// flat faces or it is too large, too thin or too sharp for that; `tactus check` reports the choice and the largest
     /// deviation from the mesh. Generated shapes keep their facets with None.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<ObjectSurface>,

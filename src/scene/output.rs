@@ -5,7 +5,7 @@ use super::observation::Observe;
 use super::schema::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Output of a run; by default everything except the gaps.
+/// Output of a run; by default everything except the gap and tactile observations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Record", default, deny_unknown_fields)]
 pub struct Record {

@@ -164,8 +164,8 @@ pub struct Gnn {
     /// Folder of the trained model, or the name of the shipped model: `universe`.
     pub model: PathBuf,
     /// Largest accepted relative error of the displacement. A grasp is computed by condensed finite elements instead if
-    /// the error bound that nine of ten predictions meet is larger, or if the network was not trained for the scene.
-    /// None accepts every prediction.
+    /// the 90 % error bound predicted by the network is larger, or if the network was not trained for the scene. None
+    /// accepts every prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_at_most: Option<Positive>,
     /// Flag: the network also answers outside the range of its training, where its error is unknown, instead of a
