@@ -156,8 +156,8 @@ fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     }
 }
 
-/// Returns the message for a field at this byte inside parentheses that take a single value, such as `Mesh("a.obj",
-/// scale: 2)`; None if there is no field.
+/// Returns the message for a field at this byte inside parentheses that take a single value, such as
+/// `Mesh("a.obj", scale: 2)`; None if there is no field.
 fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     let field = token(text, at);
     let is_field = !field.is_empty()

@@ -31,9 +31,9 @@ pub struct Pose {
     /// Origin of the hand in the object frame, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<Vec3>,
-    /// Point midway between the pads in the object frame, m, about which `rotation` rotates the hand: `position =
-    /// centre - R(rotation) c`, with `c` the point midway between the pads in the hand frame, `(0, y, z)` of the
-    /// gripper's `placement`. `(0, 0, 0)` places the origin of the object midway between the pads.
+    /// Point midway between the pads in the object frame, m, about which `rotation` rotates the hand:
+    /// `position = centre - R(rotation) c`, with `c` the point midway between the pads in the hand frame, `(0, y, z)`
+    /// of the gripper's `placement`. `(0, 0, 0)` places the origin of the object midway between the pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre: Option<Vec3>,
     /// Rotation from the hand frame to the object frame.
