@@ -29,8 +29,9 @@ impl PushLoad {
         [self.force * part, self.torque * part]
     }
 
-    /// Returns the lever arms of the torque (m, hand frame) with the forces at their ends (N): `torque = sum of arm x
-    /// force`. There are two couples, so that all directions perpendicular to the torque are equivalent.
+    /// Returns the lever arms of the torque (m, hand frame) with the forces at their ends (N):
+    /// `torque = sum of arm x force`. There are two couples, so that all directions perpendicular to the torque are
+    /// equivalent.
     pub fn couple(&self, length: f64) -> Vec<(DVec3, DVec3)> {
         let Some(axis) = self.torque.try_normalize() else { return Vec::new() };
         let across = axis.any_orthonormal_vector() * length;
