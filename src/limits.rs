@@ -1,5 +1,5 @@
-//! Limits of threads, memory and disk space: the free amounts, and the amounts that a scene will take. They are checked before anything large is
-//! made, so that a scene that is too large is refused at once and no program is killed.
+//! Threads, memory and disk space: available amounts, and requirements of a scene. They are compared before anything
+//! large is allocated or written, so that a scene that is too large is refused at once and no process is killed.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::quadratic::midpoint_edges;
@@ -7,7 +7,7 @@ use crate::geometry::pad::PadMesh;
 use crate::scene::{Element, Scene, StepperChoice};
 use std::path::Path;
 
-/// Returns the processor and the number of cores, for readers.
+/// Returns the name of the processor and the number of cores, as text.
 pub fn machine() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
@@ -16,7 +16,7 @@ pub fn machine() -> String {
     format!("{model}, {cores} core{}", if cores == 1 { "" } else { "s" })
 }
 
-/// Returns the number of threads that the machine has.
+/// Returns the number of hardware threads.
 pub fn machine_threads() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
@@ -31,9 +31,10 @@ pub struct PadSize {
 }
 
 impl PadSize {
-    /// Returns the size of a grid of `cells` cells, six tetrahedra each, bonded at its lowest layer of nodes.
+    /// Returns the size of a grid of `cells` cells of six tetrahedra each, whose lowest layer of nodes is bonded.
     pub fn of_cells(cells: [usize; 3], element: Element) -> Self {
-        // Between the nodes of a layer, and of two layers: along the axes, across the faces, through the cells.
+        // Numbers of edges in a layer of nodes, and between two layers: along the axes, diagonals of faces, diagonals
+        // of cells.
         let points = cells.map(|n| n as u128 + 1);
         let [x, y, z] = cells.map(|n| n as u128);
         let [px, py, pz] = points;
@@ -58,26 +59,26 @@ impl PadSize {
         Self { nodes, unknowns: 3 * (nodes - bonded - glued) }
     }
 
-    /// Estimates the memory that solving a grasp takes with each such pad, bytes.
+    /// Estimates the memory of the solver per pad of this size, bytes.
     fn solving(&self) -> f64 {
         let factor = FACTOR * (self.unknowns as f64).powf(FACTOR_POWER);
         factor + NODE * self.nodes as f64
     }
 }
 
-/// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes. The two are fitted to presses of one pad: 42, 133, 491 and 1366 MB
-/// with 5,100, 19,314, 54,390 and 107,604 unknowns, which the estimate meets to within a sixth, the large ones to 5 %.
+/// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes. Both constants are fitted to presses of one pad:
+/// 42, 133, 491 and 1366 MB with 5,100, 19,314, 54,390 and 107,604 unknowns, which the estimate reproduces to within a
+/// sixth, the large ones to 5 %.
 const FACTOR: f64 = 60.0;
-/// Power of the unknowns. Nested dissection of a body has 4/3 of large numbers of unknowns; plates of these sizes grow
-/// faster.
+/// Exponent of the number of unknowns. It is asymptotically 4/3 for nested dissection in three dimensions; the factors
+/// of plates of these sizes grow faster.
 const FACTOR_POWER: f64 = 1.45;
-/// Memory of a node apart from the factor (mesh, stiffness, states), bytes.
+/// Memory per node without the factor (mesh, stiffness, states), bytes.
 const NODE: f64 = 3000.0;
-/// Memory of a node of a mesh that is not solved on, bytes.
+/// Memory per node of a mesh without a solver, bytes.
 const MESHED: f64 = 2500.0;
 
-/// Estimates the memory that a grasp of `scene` takes with pads of this size, bytes; `sides` is the number of its
-/// fingers.
+/// Estimates the memory of a grasp of `scene` with pads of this size, bytes; `sides` is the number of its fingers.
 pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     let each = match scene.stepper {
         StepperChoice::Fem(_) => pad.solving(),
@@ -86,7 +87,7 @@ pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     (each * sides as f64).max(MESHED * pad.nodes as f64) as u64
 }
 
-/// Refuses a scene that takes more memory than is free.
+/// Refuses a scene that needs more memory than is free.
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] with the sizes and the remedy.
@@ -103,7 +104,7 @@ pub fn admit(need: u64, pad: PadSize) -> Result<()> {
     }
 }
 
-/// Refuses files that take more space than is free at `dir`, which need not exist yet.
+/// Refuses files that need more space than is free at `dir`, which need not exist yet.
 ///
 /// # Errors
 /// Returns [`Error::File`] with the sizes and the remedy.
@@ -121,7 +122,7 @@ pub fn admit_files(need: u64, dir: &Path) -> Result<()> {
     }
 }
 
-/// Formats a size for readers.
+/// Formats a size as text.
 pub fn bytes(n: u64) -> String {
     let n = n as f64;
     match n {
@@ -131,20 +132,20 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
-/// Returns the memory that this process may still take, bytes: the smallest amount left by the machine, its control groups and its own
-/// limit; None if the system does not provide it.
+/// Returns the memory that this process can still allocate, bytes: the minimum of what the machine, its control groups
+/// and its own limit leave; None if the system does not provide it.
 #[cfg(target_os = "linux")]
 pub fn free_memory() -> Option<u64> {
     [available(), control_group::free(), address_space()].into_iter().flatten().min()
 }
 
-/// Returns None, because this system does not provide the memory that this process may still take.
+/// Returns None, because this system does not provide the available memory.
 #[cfg(not(target_os = "linux"))]
 pub fn free_memory() -> Option<u64> {
     None
 }
 
-/// Returns the space that is free at `dir`, which need not exist yet, bytes; None if the system does not provide it.
+/// Returns the free space at `dir`, which need not exist yet, bytes; None if the system does not provide it.
 #[cfg(unix)]
 pub fn free_disk(dir: &Path) -> Option<u64> {
     let absolute = std::path::absolute(dir).ok()?;
@@ -158,7 +159,7 @@ pub fn free_disk(_: &Path) -> Option<u64> {
     None
 }
 
-/// Returns the memory that the kernel can give without swapping.
+/// Returns the memory that the kernel can provide without swapping.
 #[cfg(target_os = "linux")]
 fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
@@ -166,7 +167,7 @@ fn available() -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb << 10)
 }
 
-/// Returns the memory that the limit on the address space leaves (`ulimit -v`).
+/// Returns the memory below the limit of the address space (`ulimit -v`).
 #[cfg(target_os = "linux")]
 fn address_space() -> Option<u64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
@@ -179,8 +180,8 @@ fn address_space() -> Option<u64> {
 mod control_group {
     use std::path::{Path, PathBuf};
 
-    /// Mount point of the hierarchy of a version, and its files: the limit, the memory in use, and the part of `memory.stat` that can be
-    /// reclaimed.
+    /// Mount point of the hierarchy of a version, and its files: the limit, the memory in use, and the key of the
+    /// reclaimable part in `memory.stat`.
     struct Version {
         root: &'static str,
         limit: &'static str,
@@ -197,13 +198,13 @@ mod control_group {
         cached: "total_inactive_file",
     };
 
-    /// Returns the smallest amount that any group up to the root leaves.
+    /// Returns the smallest amount left by any group up to the root.
     pub fn free() -> Option<u64> {
         let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
         groups.lines().filter_map(of_line).min()
     }
 
-    /// Parses a line `0::/path`, or of version 1 `4:memory:/path`.
+    /// Parses a line `0::/path`, or `4:memory:/path` of version 1.
     fn of_line(line: &str) -> Option<u64> {
         let mut parts = line.splitn(3, ':');
         let (number, controllers, path) = (parts.next()?, parts.next()?, parts.next()?);
@@ -213,7 +214,7 @@ mod control_group {
             _ => return None,
         };
         let root = Path::new(version.root);
-        // Within a container its own group may be the root of what is mounted.
+        // In a container, its own group may be the root of the mounted hierarchy.
         let own: PathBuf = root.join(path.trim_start_matches('/'));
         own.ancestors().take_while(|dir| dir.starts_with(root)).filter_map(|dir| version.left(dir)).min()
     }

@@ -1,4 +1,4 @@
-//! Check that the grasps of a file are about this object at all.
+//! Checks that the grasps of a file match the object.
 
 use crate::geometry::Aabb;
 use crate::geometry::shape::Shape;
@@ -7,13 +7,13 @@ use crate::gripper::pose::GraspPose;
 use crate::scene::{Fingers, Grasps, Scene};
 use glam::DVec3;
 
-/// Largest number of grasps that are looked at, spread over the file.
+/// Largest number of grasps that are checked, spread over the file.
 const SAMPLE: usize = 64;
-/// Number of points across a pad, along each side.
+/// Number of sample points along each side of a pad.
 const POINTS: usize = 5;
 
-/// Returns a sentence if most grasps of the scene's grasp file miss the object or start inside it: then the file's poses mean
-/// something else. `pad` is the box around a pad in the pad frame, m.
+/// Returns a notice if most grasps of the scene's grasp file miss the object or start inside it, which indicates that
+/// the poses follow another convention. `pad` is the bounding box of a pad in the pad frame, m.
 pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[GraspPose]) -> Option<String> {
     let Grasps::File(file) = &scene.grasps else { return None };
     let closing: &[DVec3] = match scene.gripper.fingers {
@@ -43,7 +43,7 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[GraspPose])
     ))
 }
 
-/// Result of closing a pad, from the best case to the worst.
+/// Result of closing a pad, ordered from best to worst.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Meets {
     Object,
@@ -51,7 +51,7 @@ enum Meets {
     Inside,
 }
 
-/// Looks from points of the open pad's face along `closing`, as far as the pads are apart.
+/// Casts rays from points of the open pad's face along `closing`, up to the distance between the open pads.
 fn meets(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> Meets {
     let mut met = Meets::Nothing;
     for start in hand.face(closing, POINTS).map(|start| pose.to_object(start)) {

@@ -1,9 +1,10 @@
-//! Antipodal grasps: two contacts that face each other within the friction cone (Nguyen 1988), sampled as in
-//! DefGraspSim: a surface point, a closing axis about its normal, an approach about that axis.
+//! Antipodal grasps: two contacts whose connecting line lies in both friction cones (Nguyen 1988), sampled as in
+//! DefGraspSim: a surface point, a closing axis near its normal, an approach direction about that axis.
 //!
-//! One try: a surface point, uniform by area; a closing axis, uniform in the cone about the inward normal; the axis must
-//! leave the object within the cone of the opposite normal; an approach, uniform about the axis; the pads are centred on
-//! the middle of the two contacts; the open hand, and the hand as it first touches, must be clear of the object.
+//! One trial: a surface point, uniform by area; a closing axis, uniform in the cone about the inward normal, which must
+//! leave the object within the cone of the opposite normal; an approach direction, uniform about the axis. The pads are
+//! centred on the midpoint of the two contacts; the hand must be free of collisions with the object when open and at
+//! first contact.
 
 use crate::error::{Error, Result};
 use crate::geometry::mesh::TriMesh;
@@ -17,25 +18,25 @@ use crate::scene::Antipodal;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Largest number of tries per wanted grasp before the sampler gives up.
+/// Largest number of trials per requested grasp before the sampler fails.
 const TRIES: usize = 2000;
-/// Number of lines of rays across a pad that look for its first contact.
+/// Number of rays along each side of a pad that search for its first contact.
 const RAYS: usize = 7;
 
-/// Reason why a try was rejected.
+/// Reason for the rejection of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rejection {
     /// The normal at the opposite contact is outside the friction cone.
     OutsideCone,
-    /// Another part of the object lies before the surface point: no pad can reach it.
+    /// Another part of the object is in front of the surface point: no pad can reach it.
     Hidden,
     /// The object does not fit between the open pads.
     TooWide,
-    /// The fingers end their stroke before both pads touch.
+    /// The fingers reach the end of their stroke before both pads touch.
     TooThin,
-    /// The palm meets the object.
+    /// The palm collides with the object.
     Palm,
-    /// A finger meets the object, when open or when the pads touch.
+    /// A finger collides with the object, when open or when the pads touch.
     Finger,
 }
 
@@ -57,14 +58,14 @@ impl Rejection {
     }
 }
 
-/// Grasps found, and counts of the tries rejected on the way.
+/// Grasps found, and counts of the rejected trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled {
     /// Grasps, in the order in which they were found.
     pub poses: Vec<GraspPose>,
-    /// Number of tries.
+    /// Number of trials.
     pub tries: usize,
-    /// Number of rejected tries by reason, in the order of [`Rejection::ALL`].
+    /// Number of rejected trials by reason, in the order of [`Rejection::ALL`].
     pub rejected: [usize; 6],
 }
 
@@ -82,7 +83,7 @@ impl Sampled {
 /// Samples grasps of `object` with friction coefficient `friction` for `hand`, whose fingers travel up to `stroke` (m).
 ///
 /// # Errors
-/// Fails if 2,000 tries for each wanted grasp find too few; the message gives the reasons.
+/// Fails if 2,000 trials per requested grasp find too few; the message gives the reasons.
 pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, stroke: f64) -> Result<Sampled> {
     let surface = Surface::new(&object.surface);
     let cone = friction.atan().min(wanted.tilt_deg.get().to_radians());
@@ -105,7 +106,7 @@ pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, st
     Ok(found)
 }
 
-/// Makes one try.
+/// Makes one trial.
 fn attempt(
     object: &Shape,
     surface: &Surface,
@@ -114,7 +115,7 @@ fn attempt(
     stroke: f64,
     random: &mut Random,
 ) -> std::result::Result<GraspPose, Rejection> {
-    // Every try takes the same numbers, whatever becomes of it.
+    // Every trial draws the same number of random numbers, whether it is rejected or not.
     let [at, u, v, tilt, about, turn] = std::array::from_fn(|_| random.unit());
     let point = surface.point(object, at, u, v);
     let normal = object.distance.closest(point, f64::INFINITY).map_or(DVec3::Z, |c| c.normal);
@@ -148,7 +149,7 @@ fn attempt(
     Ok(pose)
 }
 
-/// Checks that the hand reaches the pose and closes.
+/// Checks that the hand reaches the pose and closes without collision.
 fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::result::Result<(), Rejection> {
     let blocked = |part| match part {
         HandPart::Palm => Rejection::Palm,
@@ -158,28 +159,28 @@ fn clear(object: &Shape, hand: &Hand, pose: &GraspPose, stroke: f64) -> std::res
     let distance = object.distance.as_ref();
     hand.obstacle(distance, pose, 0.0, 0.0).map_or(Ok(()), |part| Err(blocked(part)))?;
     let [left, right] = [DVec3::X, DVec3::NEG_X].map(|closing| first_contact(object, hand, pose, closing));
-    // The object is pushed to the middle, so each finger travels the mean.
+    // The object is pushed to the centre of the hand, so that each finger travels the mean distance.
     let (travel, shift) = (0.5 * (left + right), 0.5 * (right - left));
     if travel.is_nan() || travel > stroke {
         return Err(Rejection::TooThin);
     }
-    // The pads touch there; what counts is the rest of the hand.
+    // Pads may touch the object here, palm and fingers may not.
     match hand.obstacle(distance, pose, travel, shift) {
         Some(part @ (HandPart::Palm | HandPart::Finger)) => Err(blocked(part)),
         _ => Ok(()),
     }
 }
 
-/// Returns the travel of a pad until it touches, by rays from its face; infinite if none hits.
+/// Returns the travel of a pad to first contact, by rays from its face; infinite if none hits.
 fn first_contact(object: &Shape, hand: &Hand, pose: &GraspPose, closing: DVec3) -> f64 {
     let travel = |start| object.ray(pose.to_object(start), pose.rotation * closing).map(|hit| hit.t);
     hand.face(closing, RAYS).filter_map(travel).fold(f64::INFINITY, f64::min)
 }
 
-/// Points of a surface, uniform by area.
+/// Sampler of points of a surface, uniform by area.
 struct Surface<'a> {
     mesh: &'a TriMesh,
-    /// Sum of the areas up to and with each triangle, m2.
+    /// Cumulative area up to and including each triangle, m2.
     area: Vec<f64>,
 }
 
@@ -194,12 +195,12 @@ impl<'a> Surface<'a> {
         Self { mesh, area: area.collect() }
     }
 
-    /// Returns the point for three numbers in 0..1, moved onto the true surface.
+    /// Returns the point for three numbers in 0..1, projected onto the exact surface.
     fn point(&self, object: &Shape, at: f64, u: f64, v: f64) -> DVec3 {
         let whole = self.area.last().copied().unwrap_or(0.0);
         let t = self.area.partition_point(|sum| *sum <= at * whole).min(self.area.len() - 1);
         let [a, b, c] = self.mesh.corners(t);
-        // Folded onto the triangle (Osada et al. 2002, eq. 1).
+        // Uniform sampling of a triangle (Osada et al. 2002, eq. 1).
         let root = u.sqrt();
         let p = (1.0 - root) * a + root * (1.0 - v) * b + root * v * c;
         object.distance.closest(p, f64::INFINITY).map_or(p, |near| p - near.normal * near.distance)

@@ -1,4 +1,4 @@
-//! Grasp files in HDF5: `*_grasps.h5` of DefGraspSim and DefGraspNets, and those of other conventions.
+//! Grasp files in HDF5: `*_grasps.h5` of DefGraspSim and DefGraspNets, and files with other conventions.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::replace;
@@ -14,19 +14,20 @@ use std::path::Path;
 const POSES: &str = "poses";
 /// Name of the dataset with the factor on the lengths of the object, in files of ACRONYM.
 const OBJECT_SCALE: &str = "object/scale";
-/// Largest deviation from 1 of the length of a quaternion or of a matrix's column: f32 files pass, wrong columns do not.
+/// Largest deviation from 1 of the length of a quaternion or of a matrix column: accepts f32 rounding, refuses wrong
+/// columns.
 const UNIT_SLACK: f64 = 1e-5;
-/// Largest file that is read, and largest dataset or chunk that is unpacked, bytes; a million grasps take 56 MB.
+/// Largest file that is read, and largest chunk that is decompressed, bytes; a million grasps take 56 MB.
 const SIZE_LIMIT: u64 = 256 * 1024 * 1024;
 /// Largest number of grasps of a file.
 const ROW_LIMIT: u64 = 1_000_000;
-/// Advice for a file that h5py reads and this reader does not.
+/// Advice for a file that h5py reads but this reader does not.
 const REWRITE: &str =
     "write it again with `h5py.File(name, \"w\", libver=\"earliest\")`, plain or with compression=\"gzip\"";
-/// Largest number of groups that are searched for the names of datasets.
+/// Largest number of groups that are searched for datasets.
 const GROUP_LIMIT: usize = 64;
 
-/// Reads all grasps of a file as DefGraspSim writes it; quaternions are brought to length 1 exactly.
+/// Reads all grasps of a file in the format of DefGraspSim; quaternions are normalised.
 ///
 /// # Errors
 /// Fails as [`read_grasp_file`] does.
@@ -34,11 +35,11 @@ pub fn read_grasps_h5(path: impl AsRef<Path>) -> Result<Vec<GraspPose>> {
     read_grasp_file(&GraspFile::new(path.as_ref().to_path_buf()))
 }
 
-/// Reads all grasps of a file, whatever it selects, in the convention that it names.
+/// Reads all grasps of a file, regardless of its selection, in its convention.
 ///
 /// # Errors
-/// Fails if the file cannot be read, is not HDF5, is too large, lacks the dataset or has it with a wrong shape or number type, and
-/// if a row is no pose. The message names the file and, for a bad pose, the row.
+/// Fails if the file cannot be read, is not HDF5, is too large, lacks the dataset, if the dataset has a wrong shape or
+/// number type, or if a row is not a pose. The message names the file and, for an invalid pose, the row.
 pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let path = file.path.as_path();
     let name = file.dataset.as_deref().unwrap_or(POSES);
@@ -77,7 +78,7 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let turn = DQuat::from_mat3(&file.convention.from_hand());
     let read = |row: &[f64]| -> std::result::Result<GraspPose, String> {
         let pose = if width == 7 { from_row(row, file.convention.quaternion)? } else { from_matrix(row)? };
-        // Hands that are those of tactus keep every bit.
+        // Rotations in the hand frame of tactus are kept bit by bit.
         let turned = if turn == DQuat::IDENTITY { pose.rotation } else { (pose.rotation * turn).normalize() };
         Ok(GraspPose { rotation: turned, ..pose })
     };
@@ -95,8 +96,9 @@ fn open(path: &Path) -> Result<File> {
     File::from_bytes(bytes).map_err(|e| Error::file(path, format!("is not a readable HDF5 file: {e}; {REWRITE}")))
 }
 
-/// Reads the factor on the lengths of the object for which a file of ACRONYM has its grasps, the number `object/scale`; None if the file has
-/// none. (Eppner et al. 2021, "ACRONYM: a large-scale grasp dataset based on simulation".)
+/// Reads the factor on the lengths of the object for which the grasps of an ACRONYM file are made, the number
+/// `object/scale`; None if the file has none. (Eppner et al. 2021, "ACRONYM: a large-scale grasp dataset based on
+/// simulation".)
 ///
 /// # Errors
 /// Fails if the file cannot be read, or the factor is not a number above zero.
@@ -114,14 +116,15 @@ pub fn object_scale(path: &Path) -> Result<Option<Positive>> {
     Positive::new(value).map(Some).map_err(fail)
 }
 
-/// Returns the size of one chunk once unpacked, bytes; None if the dataset is in one piece; saturates.
+/// Returns the decompressed size of one chunk, bytes (saturating); None if the dataset is contiguous.
 fn chunk_bytes(dataset: &Dataset) -> Option<u64> {
     let shape = dataset.chunk_shape().ok()??;
     let size = dataset.element_size().unwrap_or(8);
     Some(shape.iter().fold(size, |n, c| n.saturating_mul(*c)))
 }
 
-/// Returns the number of values of one grasp in a dataset of this shape: position and quaternion, or a matrix.
+/// Returns the number of values per grasp in a dataset of this shape (position and quaternion, or matrix); None for
+/// other shapes.
 fn width(shape: &[u64]) -> Option<u64> {
     match shape {
         [_, 7] => Some(7),
@@ -130,7 +133,8 @@ fn width(shape: &[u64]) -> Option<u64> {
     }
 }
 
-/// Describes what the file holds instead of `name`. Old files with a soft link cannot be listed, only entered by path.
+/// Returns the message that the file has no dataset `name`, with the datasets that it has. Datasets behind a soft link
+/// in old files cannot be listed, only accessed by path.
 fn missing(file: &File, name: &str, names: &[String]) -> String {
     let fits = |name: &&String| file.dataset(name).and_then(|d| d.shape()).is_ok_and(|shape| width(&shape).is_some());
     let choice = names.iter().find(fits).map_or("group/name", String::as_str);
@@ -141,7 +145,7 @@ fn missing(file: &File, name: &str, names: &[String]) -> String {
     )
 }
 
-/// Returns the paths of the datasets in a file, groups entered in order.
+/// Returns the paths of the datasets in a file, breadth first.
 fn datasets(file: &File) -> Vec<String> {
     let mut found = Vec::new();
     let mut groups: Vec<(String, Group)> = vec![(String::new(), file.root())];
@@ -187,7 +191,7 @@ fn from_row(v: &[f64], order: QuaternionOrder) -> std::result::Result<GraspPose,
     Ok(GraspPose { position: DVec3::from_slice(v), rotation })
 }
 
-/// Reads a pose from a 4 x 4 matrix [R p; 0 1], row by row.
+/// Reads a pose from a 4 x 4 matrix [R p; 0 1] in row-major order.
 fn from_matrix(v: &[f64]) -> std::result::Result<GraspPose, String> {
     finite(v)?;
     if v[12..] != [0.0, 0.0, 0.0, 1.0] {
@@ -211,7 +215,7 @@ fn from_matrix(v: &[f64]) -> std::result::Result<GraspPose, String> {
     Ok(GraspPose { position: DVec3::new(v[3], v[7], v[11]), rotation: DQuat::from_mat3(&rotation).normalize() })
 }
 
-/// Writes grasps as DefGraspSim does, whole or not at all.
+/// Writes grasps in the format of DefGraspSim, atomically.
 ///
 /// # Errors
 /// Fails if the file cannot be written.

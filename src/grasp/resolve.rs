@@ -1,4 +1,4 @@
-//! Grasps of a scene as poses.
+//! Resolves the grasps of a scene to poses.
 
 use super::antipodal::{self, Sampled};
 use super::h5::{object_scale, read_grasp_file};
@@ -12,7 +12,7 @@ use crate::scene::vector::Vec3;
 use crate::scene::{Antipodal, GraspCount, GraspFile, Grasps, Object, Pose, Scene, Select};
 use glam::{DQuat, DVec3};
 
-/// Grasps of a scene, and notices about how they were found.
+/// Grasps of a scene, with notices about how they were obtained.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     /// Grasps, in order.
@@ -21,7 +21,7 @@ pub struct Resolved {
     pub notices: Vec<String>,
 }
 
-/// Returns all grasps of the scene, in order. Reads the grasp file if the scene names one; samples if the scene asks for that.
+/// Returns all grasps of the scene, in order; reads the grasp file or samples grasps if necessary.
 ///
 /// # Errors
 /// Fails as [`grasps_of`] does.
@@ -56,8 +56,8 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
     Ok(Resolved { poses, notices })
 }
 
-/// Returns the object of the scene at its scale. A scene that gives none takes that for which the grasp file has its grasps, with a notice;
-/// another notice says that the two differ.
+/// Returns the object of the scene with its scale. If the scene gives no scale, the `object/scale` of the grasp file is
+/// used, with a notice; if the two differ, the scale of the scene is used, with a notice.
 ///
 /// # Errors
 /// Fails if the grasp file cannot be read.
@@ -82,7 +82,7 @@ pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
     Ok(object)
 }
 
-/// Keeps only the first `most` grasps of a scene, or all if there are fewer.
+/// Keeps at most the first `most` grasps of a scene.
 ///
 /// # Errors
 /// Fails if the grasp file cannot be read.
@@ -101,7 +101,7 @@ pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
     Ok(())
 }
 
-/// Reads the chosen grasps of a file, all of them unless the scene selects some.
+/// Reads the selected grasps of a file; all if there is no selection.
 fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
     let all = read_grasp_file(file)?;
     if all.is_empty() {
@@ -120,9 +120,9 @@ fn from_file(file: &GraspFile) -> Result<Vec<GraspPose>> {
 /// Samples grasps of the scene's object.
 ///
 /// # Errors
-/// Fails if object or pad cannot be built, and if too few grasps are found.
+/// Fails if object or pad cannot be built, or if too few grasps are found.
 pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
-    // Building the model says what was repaired.
+    // These notices are discarded: building the model reports the repairs.
     let mut notices = Vec::new();
     let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
     let gripper = &scene.gripper;

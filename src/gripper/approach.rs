@@ -1,4 +1,4 @@
-//! Finger travel to first contact, found geometrically.
+//! Finger travel to first contact, from geometry alone.
 
 use crate::geometry::shape::SignedDistance;
 use crate::mech::contact::{ContactSurface, Feature};
@@ -9,7 +9,7 @@ use glam::{DMat3, DVec2, DVec3};
 pub enum Approach {
     /// First contact after this travel, m.
     Contact(f64),
-    /// The open pad already overlaps the object, by about this depth, m.
+    /// The open pad overlaps the object, with about this penetration, m.
     Overlap(f64),
     /// No contact within the stroke.
     Misses,
@@ -17,10 +17,10 @@ pub enum Approach {
 
 /// Computes the travel of a rigid pad along `closing` until it is `clearance` from the object.
 ///
-/// The pad's contact points march along the closing direction by the distance function (sphere tracing, Hart 1996: the distance is
-/// 1-Lipschitz, so no step can cross the surface); the object's feature points are cast against the pad's faces. `x` are pad node
-/// positions at zero travel (hand frame, m), `position` and `rotation` the object's pose, `features` the object's vertices and
-/// sharp edges (object frame).
+/// The contact points of the pad advance along the closing direction by sphere tracing (Hart 1996: the distance
+/// function is 1-Lipschitz, so that no step can cross the surface); rays from the object's contact vertices are
+/// intersected with the pad's faces. `x` are the pad node positions at zero travel (hand frame, m), `position` and
+/// `rotation` the object's pose, `features` the vertices and points of sharp edges of the object (object frame).
 #[allow(clippy::too_many_arguments)]
 pub fn approach(
     surface: &ContactSurface,
@@ -38,12 +38,12 @@ pub fn approach(
     let direction = inverse * closing;
     let starts = surface.points[..surface.vertices].iter().map(|stencil| inverse * (stencil.position(x) - position));
     let mut points: Vec<(DVec3, f64)> = starts.map(|start| (start, object.distance(start))).collect();
-    // The nearest ones first: they leave little to the others.
+    // The nearest points first: their travel bounds the search of the others.
     points.sort_by(|a, b| a.1.total_cmp(&b.1));
     for (start, distance) in points {
         deepest = deepest.max(-distance);
         let (mut t, mut d) = (0.0, distance);
-        // Grazing rays converge slowly; after the cap the point is close enough to count as touching.
+        // Grazing rays converge slowly; after the last iteration the point is close enough to count as touching.
         for step in 0..200 {
             if d <= clearance * 1.001 || step == 199 {
                 first = first.min(t);
@@ -56,7 +56,7 @@ pub fn approach(
             d = object.distance(start + direction * t);
         }
     }
-    // Seen along the closing direction only what lies before the pad can meet it.
+    // Only vertices within the pad's bounding rectangle in projection along the closing direction can touch the pad.
     let (u, v) = closing.any_orthonormal_pair();
     let seen = |p: DVec3| DVec2::new(u.dot(p), v.dot(p));
     let outline = surface.faces.iter().flat_map(|face| face.corners).map(|n| seen(x[n as usize]));
@@ -66,7 +66,7 @@ pub fn approach(
     let foremost = corners.fold(f64::NEG_INFINITY, f64::max);
     for feature in features {
         let point = rotation * feature.position + position;
-        // The pad is no farther than where its foremost corner would meet the point.
+        // Lower bound of the travel: the foremost corner of the pad reaches the point.
         if point.dot(closing) - foremost - clearance >= first {
             continue;
         }
@@ -76,7 +76,8 @@ pub fn approach(
         }
         for face in surface.faces.iter() {
             let [a, b, c] = face.corners.map(|n| x[n as usize]);
-            // The pad moves by t along `closing`: the point meets the face where it lies on the ray back from the point.
+            // The pad moves by t along `closing`: the face reaches the point where the ray from the point along
+            // `-closing` intersects the face.
             if let Some(t) = cast(point, -closing, a, b, c) {
                 if t < clearance && t > -1e-3 {
                     let inside = (b - a).cross(c - a).normalize_or_zero().dot(point - a);
@@ -97,13 +98,13 @@ pub fn approach(
     }
 }
 
-/// Returns the signed parameter of the line `origin + t direction` in a triangle that it faces from outside (Moeller & Trumbore
-/// 1997).
+/// Returns the signed parameter t of the intersection of the line `origin + t direction` with the front side of a
+/// triangle (Moeller & Trumbore 1997).
 fn cast(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2) = (b - a, c - a);
     let p = direction.cross(e2);
     let det = e1.dot(p);
-    // Only faces whose outward normal looks towards the point can be met from outside.
+    // Only faces whose outward normal is opposite to the direction are hit from outside.
     if direction.dot(e1.cross(e2)) >= -1e-9 * e1.length() * e2.length() {
         return None;
     }

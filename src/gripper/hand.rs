@@ -1,4 +1,4 @@
-//! Parts of the hand that must not meet the object: palm, finger bodies and pads, as boxes in the hand frame.
+//! Collision geometry of the hand: palm, finger bodies and pads, as boxes in the hand frame.
 
 use crate::geometry::Aabb;
 use crate::geometry::shape::SignedDistance;
@@ -6,33 +6,33 @@ use crate::gripper::GraspPose;
 use crate::scene::Gripper;
 use glam::DVec3;
 
-/// Half sizes of the palm along x and y, and its end along the approach, m: the body of a Franka hand
-/// (204 x 63 mm, 65.9 mm tall up to the fingers; Franka Hand product manual, dimensions).
+/// Half sizes of the palm along x and y, and its extent along the approach, m: the body of a Franka hand (204 x 63 mm,
+/// 65.9 mm tall up to the fingers; Franka Hand product manual, dimensions).
 const PALM: DVec3 = DVec3::new(0.102, 0.0315, 0.0659);
 /// Thickness of a finger behind its pad, m.
 const FINGER: f64 = 0.015;
-/// Distance to the object below which a box counts as touching it, approximately, m.
+/// Approximate distance to the object below which a box counts as colliding, m.
 pub const CLEARANCE: f64 = 5e-4;
 
-/// The rigid hand with undeformed pads.
+/// Rigid hand with undeformed pads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Box around a pad in the pad frame, m.
+    /// Bounding box of a pad in the pad frame, m.
     pub pad: Aabb,
-    /// Distance of the sensing faces when the hand is open, m.
+    /// Distance between the sensing faces of the open hand, m.
     pub opening: f64,
     /// Centre of the pads along the approach (hand z) and the finger width (hand y), m.
     pub center: DVec3,
 }
 
-/// A part of the hand.
+/// Part of the hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HandPart {
-    /// The body that carries the fingers.
+    /// Body that carries the fingers.
     Palm,
-    /// A finger behind and below its pad.
+    /// Body of a finger, behind its pad and between pad and palm.
     Finger,
-    /// A pad.
+    /// Pad.
     Pad,
 }
 
@@ -48,12 +48,13 @@ impl HandPart {
 }
 
 impl Hand {
-    /// Creates the hand of a gripper with pads in this box (pad frame, m).
+    /// Creates the hand of a gripper whose pads have this bounding box (pad frame, m).
     pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
         Self { pad, opening: gripper.opening.get(), center: gripper.placement.center() }
     }
 
-    /// Returns points of the face of the open pad that closes along `closing`: the middles of `n` x `n` equal parts, hand frame, m.
+    /// Returns points of the sensing face of the open pad that closes along `closing`: the centres of `n` x `n` equal
+    /// rectangles, hand frame, m.
     pub fn face(&self, closing: DVec3, n: usize) -> impl Iterator<Item = DVec3> {
         let (hand, low, high) = (*self, self.pad.min, self.pad.max);
         let at = move |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / n as f64;
@@ -63,8 +64,8 @@ impl Hand {
         })
     }
 
-    /// Returns the part that meets the object when each finger has travelled by `travel` (m) from the open hand. Checks the palm
-    /// first, then fingers, then pads. `shift` moves the object along hand x, m.
+    /// Returns the part that collides with the object when each finger has travelled by `travel` (m) from the open
+    /// hand. The palm is checked first, then the fingers, then the pads. `shift` moves the object along hand x, m.
     pub fn obstacle(&self, object: &dyn SignedDistance, pose: &GraspPose, travel: f64, shift: f64) -> Option<HandPart> {
         let meets =
             |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
@@ -89,7 +90,8 @@ impl Hand {
         self.both(back, back + FINGER, PALM.z.min(self.center.z + self.pad.min.x))
     }
 
-    /// Returns boxes on both sides between `near` and `far` from the middle, as wide as the pads, from height `low`.
+    /// Returns boxes on both sides, at distances `near` to `far` from the centre plane, as wide as the pads, from `low`
+    /// to the end of the pads along hand z.
     fn both(&self, near: f64, far: f64, low: f64) -> [Aabb; 2] {
         // Pad x lies along the approach, pad y along the finger width.
         let half = self.pad.max.y.abs().max(self.pad.min.y.abs());
@@ -105,8 +107,9 @@ fn palm() -> Aabb {
     Aabb { min: DVec3::new(-PALM.x, -PALM.y, 0.0), max: PALM }
 }
 
-/// Returns true if a box of the hand meets the object, to within [`CLEARANCE`]. The distance is 1-Lipschitz: a box whose centre is
-/// farther off than its half diagonal is clear, a box whose centre is inside is not, and any other box is halved.
+/// Returns true if a box of the hand collides with the object, to within [`CLEARANCE`]. The distance function is
+/// 1-Lipschitz: there is no collision if the distance at the centre exceeds the half diagonal, and a collision if the
+/// centre is inside; otherwise the box is bisected.
 fn overlaps(object: &dyn SignedDistance, pose: &GraspPose, hand: Aabb) -> bool {
     let (center, half) = (hand.center(), 0.5 * hand.size());
     let distance = object.distance(pose.to_object(center));

@@ -1,4 +1,4 @@
-//! Parallel gripper: the places of its pads, the travel of its fingers to first contact, and its obstacles.
+//! Parallel gripper: placement of its pads, finger travel to first contact, and collision checks.
 
 pub mod approach;
 pub mod hand;

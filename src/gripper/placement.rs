@@ -1,10 +1,8 @@
 //! Placement of the pads in the hand frame.
 //!
-//! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along Y. The
-//! left finger stands at -X and closes towards +X; the right one is its image under a half turn about Z.
-//!
-//! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width along
-//! Y. The left finger stands at -X and closes towards +X, the right one is its image under a half turn about Z.
+//! Hand frame (that of DefGraspSim): origin at the hand base, +Z the approach, fingers close along X, finger width
+//! along Y. The left finger is at -X and closes towards +X; the right finger is its image under a rotation by 180
+//! degrees about Z.
 
 use crate::gripper::GraspPose;
 use glam::{DMat3, DQuat, DVec3};
@@ -24,8 +22,8 @@ pub struct FingerPlacement {
 }
 
 impl FingerPlacement {
-    /// Creates the pad of finger `side` (0 left, 1 right) for an aperture `opening` (m, between the sensing faces) with the centre
-    /// of the sensing faces at height `height` (m) along the approach.
+    /// Creates the placement of finger `side` (0 left, 1 right) for the distance `opening` (m) between the sensing
+    /// faces, whose centres are at `height` (m) along the approach.
     pub fn new(side: usize, opening: f64, height: f64) -> Self {
         let closing = if side == 0 { DVec3::X } else { DVec3::NEG_X };
         let across = closing.cross(DVec3::Z);

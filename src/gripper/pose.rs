@@ -1,4 +1,4 @@
-//! Grasp pose, and the transforms between its two frames.
+//! Grasp pose, and the transforms between hand and object frame.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -16,13 +16,14 @@ pub struct GraspPose {
 }
 
 impl GraspPose {
-    /// Creates the pose from a row of a file: px py pz qw qx qy qz, taken as it is. `row` has at least these seven numbers.
+    /// Creates the pose from a row of a file: px py pz qw qx qy qz, not normalised. `row` has at least these seven
+    /// numbers.
     pub fn from_row(row: &[f64]) -> Self {
         let rotation = DQuat::from_xyzw(row[4], row[5], row[6], row[3]);
         Self { position: DVec3::from_slice(row), rotation }
     }
 
-    /// Returns the row of a file: px py pz qw qx qy qz.
+    /// Returns the row for a file: px py pz qw qx qy qz.
     pub fn row(&self) -> [f64; 7] {
         let (p, q) = (self.position, self.rotation);
         [p.x, p.y, p.z, q.w, q.x, q.y, q.z]

@@ -1,11 +1,12 @@
-//! The mesh that `accuracy` asks for, in place of a spacing.
+//! Choice of the pad mesh from `accuracy`, an alternative to a spacing.
 //!
-//! Most of the error of a displacement sits at the edge of the contact and falls with the square of the cells there. Over the
-//! whole pad it is about `ERROR h^2 / (l t)` with the pad's thickness `t` and the size `l` of the patch: twice its area over
-//! its perimeter, which is the radius of a round one. A pad feels an edge about as far as it is thick, so that larger patches
-//! count as `REACH` thicknesses. The patch is that of a bed of springs (Winkler 1867) as stiff as the pad, pressed onto the
-//! object's profile with the last force, or by the last depth. The number of layers is the one that the spacing brings with it:
-//! it hardly matters. docs/verification.md holds the law against ladders of meshes.
+//! Most of the discretisation error of the displacement arises at the edge of the contact and decreases with the square
+//! of the cell width there. Relative to the displacement of the whole pad, it is about `ERROR h^2 / (l t)` with the
+//! cell width `h`, the pad thickness `t` and the size `l` of the contact patch: twice its area over its perimeter,
+//! which is the radius of a circular patch. The deformation due to an edge decays over about a thickness, so that `l`
+//! is limited to `REACH` thicknesses. The patch is that of a Winkler foundation (Winkler 1867) with the stiffness of
+//! the pad, pressed onto the object's profile by the final force, or to the final depth. The number of layers follows
+//! from the spacing: its influence is small. docs/verification.md compares the formula with mesh refinement sequences.
 
 use crate::error::Result;
 use crate::geometry::Aabb;
@@ -22,31 +23,32 @@ use crate::scene::pad::GelShape;
 use crate::scene::{Fingers, Loading, Pads, Scene, motion};
 use glam::{DVec2, DVec3};
 
-/// Error of the displacement over `h^2 / (l t)`, fitted to the ladders of `scenes/references.ron`.
+/// Relative error of the displacement over `h^2 / (l t)`, fitted to the mesh refinement sequences of
+/// `scenes/references.ron`.
 const ERROR: f64 = 0.3;
-/// Distance within which an edge is felt, in thicknesses of the pad.
+/// Largest patch size with an influence on the error, in pad thicknesses.
 const REACH: f64 = 1.4;
-/// Stiffness of the bed over `E / (1 - nu^2)` and the thickness, from the travel under balls and cylinders.
+/// Stiffness of the foundation over `E / ((1 - nu^2) t)`, from the travel under spheres and cylinders.
 const BED: f64 = 2.1;
-/// Points across a pad along each side that the profile is taken at.
+/// Number of sample points of the profile along each side of a pad.
 const POINTS: usize = 64;
-/// Grasps that are looked at, spread over those of the scene.
+/// Largest number of grasps that are evaluated, spread over those of the scene.
 const GRASPS: usize = 16;
-/// Width of the cells at the rim over those at the centre, where the patch lies at the centre.
+/// Ratio of the cell widths at the rim and at the centre, for patches near the centre.
 const FOCUS: f64 = 2.0;
-/// Least number of cells across the narrower side of a pad.
+/// Smallest number of cells across the shorter side of a pad.
 const FEWEST: f64 = 4.0;
 
-/// A mesh and the reason for it.
+/// Chosen mesh, with the reason.
 #[derive(Debug, Clone)]
 pub struct Choice {
-    /// The pads with spacing and focus.
+    /// Pads with spacing and focus.
     pub pads: Pads,
-    /// Reason, one sentence.
+    /// Reason for the choice, one sentence.
     pub why: String,
 }
 
-/// Returns the scene with the mesh that its accuracy asks for; unchanged where it asks for none.
+/// Returns the scene with the mesh chosen for its accuracy; unchanged if it has no accuracy.
 ///
 /// # Errors
 /// Fails if the object cannot be built or the grasps cannot be found.
@@ -62,7 +64,7 @@ pub fn meshed(scene: &Scene) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Chooses the mesh that the scene's accuracy asks for; None where it asks for none.
+/// Chooses the mesh for the accuracy of the scene; None if it has no accuracy.
 ///
 /// # Errors
 /// Fails if the grasps cannot be found.
@@ -108,9 +110,9 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
 }
 
-/// Returns how deep the largest load presses the object into the pad of finger `side` at `pose` as a bed of springs, m; None for a pad that
-/// meets nothing, or starts inside the object. `size` is that of the pad along x, y and z, m. The gel stiffens as it is pressed, so that it
-/// is an upper bound beyond a few tenths of the thickness.
+/// Returns the indentation of the pad of finger `side` at `pose` under the largest load, by the Winkler foundation, m;
+/// None for a pad without contact, or which starts inside the object. `size` is the size of the pad along x, y and z,
+/// m. The gel stiffens under compression, so that beyond a few tenths of the thickness the result is an upper bound.
 pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &GraspPose) -> Option<f64> {
     let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
     let bed = Bed::of(&own, size);
@@ -119,7 +121,7 @@ pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], p
     Some(bed.depth(&gaps, first, 4.0 * bed.half.x * bed.half.y / (POINTS * POINTS) as f64))
 }
 
-/// Returns the directions in which the fingers of a scene close, hand frame.
+/// Returns the closing directions of the fingers, hand frame.
 fn closing(scene: &Scene) -> &'static [DVec3] {
     match scene.gripper.fingers {
         Fingers::Both => &[DVec3::X, DVec3::NEG_X],
@@ -135,30 +137,30 @@ struct Patch {
     side: usize,
     /// Size: twice the area over the perimeter, m.
     size: f64,
-    /// Farthest point from the centre of the pad along x or y, in half widths.
+    /// Largest distance of a point from the centre of the pad along x or y, in half widths.
     reach: f64,
 }
 
 impl Patch {
-    /// Returns the smaller patch, with the larger reach of the two.
+    /// Returns the smaller patch, with the larger of the two reaches.
     fn demanding(self, other: Self) -> Self {
         let smaller = if other.size < self.size { other } else { self };
         Self { reach: self.reach.max(other.reach), ..smaller }
     }
 }
 
-/// A pad as a bed of springs.
+/// Pad as a Winkler foundation.
 struct Bed {
     hand: Hand,
     half: DVec2,
-    /// Depth of each point of the face below the highest, m; infinite beside the pad.
+    /// Depth of each sample of the face below its highest point, m; infinite outside the pad.
     sunk: Vec<f64>,
     load: Load,
 }
 
-/// Load that presses a pad on.
+/// Load on a pad.
 enum Load {
-    /// Force over stiffness per area, m3.
+    /// Force over the stiffness per unit area, m3.
     Volume(f64),
     /// Depth after first contact, m.
     Depth(f64),
@@ -192,7 +194,7 @@ impl Bed {
         Self { sunk: sunk.collect(), half, hand, load }
     }
 
-    /// Returns the patches of a grasp; none for a pad that meets nothing or starts inside the object.
+    /// Returns the patches of a grasp; none for a pad without contact, or which starts inside the object.
     fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &GraspPose) -> Vec<Patch> {
         let of = |(side, closing): (usize, &DVec3)| {
             let (size, reach) = self.patch(&self.gaps(object, pose, *closing)?)?;
@@ -201,8 +203,8 @@ impl Bed {
         closing(scene).iter().enumerate().filter_map(of).collect()
     }
 
-    /// Returns the distances of the points of the open pad from the object along `closing`, m, infinite where it is not met; None for a pad
-    /// that starts inside the object.
+    /// Returns the distances of the samples of the open pad from the object along `closing`, m, infinite if the ray
+    /// misses; None for a pad that starts inside the object.
     fn gaps(&self, object: &Shape, pose: &GraspPose, closing: DVec3) -> Option<Vec<f64>> {
         let gap = |(start, sunk): (DVec3, &f64)| {
             let start = pose.to_object(start);
@@ -215,7 +217,7 @@ impl Bed {
         self.hand.face(closing, POINTS).zip(&self.sunk).map(gap).collect()
     }
 
-    /// Size and reach of the patch of a profile, given by its distances from the open pad, m.
+    /// Returns size and reach of the patch of a profile, given by its distances from the open pad, m.
     fn patch(&self, gaps: &[f64]) -> Option<(f64, f64)> {
         let first = gaps.iter().copied().fold(f64::INFINITY, f64::min);
         if !first.is_finite() {
@@ -231,7 +233,7 @@ impl Bed {
                     count += 1;
                     let out = |k: usize| (2 * k + 1).abs_diff(POINTS) as f64 / POINTS as f64;
                     reach = reach.max(out(x)).max(out(y));
-                    // Sides of this point that are an edge of the patch, the rim of the pad among them.
+                    // Number of sides of this sample on the boundary of the patch, including the rim of the pad.
                     let edges = |along: &dyn Fn(usize) -> bool, k: usize| {
                         f64::from(u8::from(k == 0 || !along(k - 1)) + u8::from(k + 1 == POINTS || !along(k + 1)))
                     };
@@ -240,12 +242,12 @@ impl Bed {
                 }
             }
         }
-        // The length of a curve from how often lines along two axes cross it (Crofton 1868).
+        // Length of a curve from its number of intersections with lines along two axes (Crofton 1868).
         let perimeter = std::f64::consts::FRAC_PI_4 * crossed.dot(cell);
         Some((2.0 * f64::from(count) * cell.x * cell.y / perimeter, reach))
     }
 
-    /// Travel of the pad after first contact, m.
+    /// Returns the travel of the pad after first contact, m.
     fn depth(&self, gaps: &[f64], first: f64, cell: f64) -> f64 {
         let volume = match self.load {
             Load::Depth(depth) => return depth,
@@ -253,7 +255,7 @@ impl Bed {
         };
         let mut heights: Vec<f64> = gaps.iter().map(|g| g - first).filter(|g| g.is_finite()).collect();
         heights.sort_by(f64::total_cmp);
-        // With the n lowest points touched the springs are pressed by n depth - sum in all.
+        // With the n lowest samples in contact, the springs are compressed by n depth - sum in total.
         let (mut sum, mut depth) = (0.0, 0.0);
         for (n, height) in heights.iter().enumerate() {
             sum += height;
@@ -275,7 +277,7 @@ mod tests {
         Bed { hand, half: DVec2::new(12e-3, 10e-3), sunk: Vec::new(), load }
     }
 
-    /// Distances of a surface given over the face.
+    /// Distances of a surface from the pad, given as heights over the face.
     fn profile(height: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let at = |k: usize, half: f64| half * (2.0 * k as f64 + 1.0 - POINTS as f64) / POINTS as f64;
         (0..POINTS * POINTS).map(|k| 0.03 + height(at(k / POINTS, 12e-3), at(k % POINTS, 10e-3))).collect()
@@ -293,7 +295,7 @@ mod tests {
     #[test]
     fn the_springs_carry_the_load() {
         let ball = profile(|x, y| (x * x + y * y) / (2.0 * 0.025));
-        // A cap of height d on a sphere of radius R: pi R d^2.
+        // Volume of a paraboloid cap of height d and radius of curvature R: pi R d^2.
         let volume = std::f64::consts::PI * 0.025 * 0.4e-3_f64.powi(2);
         let bed = bed(Load::Volume(volume));
         let first = ball.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! Additional data of a dynamic scene over a quasi-static one.
+//! Data of a dynamic scene in addition to those of a quasi-static one.
 
 use crate::geometry::shape::Shape;
 use crate::gripper::GraspPose;
@@ -7,56 +7,57 @@ use crate::scene::motion::{self, HandState, Motion, Stage};
 use crate::scene::{Ground, Loading, Scene};
 use glam::DVec3;
 
-/// Time, motions and surroundings. The world's frame is that of the object at the start of the grasp.
+/// Time step, motions, gravity and ground. The world frame is the object frame at the start of the grasp.
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     /// Largest time step, s.
     pub time_step: f64,
-    /// Gravity, world, m/s2; zero without.
+    /// Gravity, world, m/s2; zero if the scene has none.
     pub gravity: DVec3,
-    /// Viscosity of the gel over its stiffness, s.
+    /// Ratio of viscosity to stiffness of the gel, s.
     pub damping: f64,
-    /// Speed at which a finger closes on nothing with the largest force, m/s.
+    /// Speed at which a finger closes without contact under the largest force, m/s.
     pub closing_speed: f64,
     /// Largest sum of the closing forces, N; zero if the hand never squeezes.
     pub rated_force: f64,
-    /// Time at which the first squeeze has reached its force, s; None if the hand never squeezes.
+    /// Time at which the first squeeze reaches its force, s; None if the hand never squeezes.
     pub gripped: Option<f64>,
     /// Velocity of the object's centre of mass at the start, world, m/s.
     pub velocity: DVec3,
-    /// Its angular velocity, world, rad/s.
+    /// Angular velocity of the object at the start, world, rad/s.
     pub spin: DVec3,
-    /// Ground that the object may rest on.
+    /// Ground under the object.
     pub support: Option<Support>,
     motions: Vec<Motion>,
     stage: Stage,
 }
 
-/// The plane `normal . x = height` below the object.
+/// Ground plane `normal . x = height`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
-    /// Normal out of the ground, unit, world.
+    /// Outward unit normal of the ground, world.
     pub normal: DVec3,
     /// Height along the normal, m.
     pub height: f64,
-    /// Contact law of one vertex of the object, stiffness in N/m.
+    /// Contact law of a vertex of the object; its stiffness is in N/m.
     pub law: ContactLaw,
 }
 
-/// Least stiffness of a vertex against the ground, over the object's mass times standard gravity over the contact offset: the
-/// object sinks in by a tenth of the offset under its weight.
+/// Smallest stiffness of a vertex contact with the ground over m / d, with the object mass m and the contact offset d,
+/// m/s2: ten times standard gravity, so that the object under its weight compresses the offset by a tenth.
 const FIRM: f64 = 10.0 * 9.81;
-/// Least stiffness of a vertex against the ground over the object's mass, times the square of the time step: so stiff that an
-/// impact ends within a step whatever the step, without bouncing (a vertex leaves with about the reciprocal of this of its
+/// Smallest stiffness of a vertex contact with the ground over m / dt^2, with the object mass m and the time step dt:
+/// an impact then ends within a step without rebound (a vertex leaves with about the reciprocal of this times its
 /// speed).
 const INELASTIC: f64 = 100.0;
 
-/// Tangential stiffness of a sticking vertex over its normal stiffness: the travel that loads friction is the slip of a load
-/// that comes at once.
+/// Tangential stiffness of a sticking vertex over its normal stiffness: the displacement at which friction reaches its
+/// limit is also the slip under a suddenly applied load.
 const STICKING: f64 = 10.0;
 
 impl Dynamics {
-    /// Returns the dynamics of `scene`, if it is dynamic; `mass` is that of the object, kg. Contact has this `offset` (m).
+    /// Returns the dynamics of `scene` if it is dynamic; `mass` is the mass of the object, kg, `offset` the contact
+    /// offset, m.
     pub fn of(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
         let Loading::Dynamic(dynamic) = &scene.loading else { return None };
         let gravity = scene.gravity.map_or(DVec3::ZERO, |g| g.dvec3());
@@ -96,12 +97,12 @@ impl Dynamics {
         })
     }
 
-    /// Returns true if a force drives the fingers.
+    /// Returns true if the fingers are force-driven.
     pub fn squeezes(&self) -> bool {
         self.gripped.is_some()
     }
 
-    /// State of the hand at `time` (s) of a grasp that starts at `pose`.
+    /// Returns the state of the hand at `time` (s) of a grasp that starts at `pose`.
     pub fn hand(&self, pose: &GraspPose, time: f64) -> HandState {
         let start = HandState { position: pose.position, rotation: pose.rotation, force: 0.0 };
         motion::follow(&self.motions, &start, time, &self.stage)

@@ -1,4 +1,4 @@
-//! Data that never changes between the grasps of a scene, built once and shared by all of them behind one `Arc`.
+//! Data shared by all grasps of a scene, built once and held behind one `Arc`.
 //!
 //! ```text
 //! Scene -> object.rs (shape, mass) --+
@@ -34,77 +34,81 @@ use pads::MeshedPads;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Everything about a scene that no grasp changes.
+/// Data of a scene that are the same for all its grasps.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// The rigid object.
+    /// Rigid object.
     pub object: Shape,
-    /// Its mass, kg.
+    /// Mass of the object, kg.
     pub mass: f64,
     /// Flag: the object may move.
     pub free: bool,
-    /// Points of the object that may meet the pads between their own points: vertices and points along sharp edges.
+    /// Contact vertices of the object, which may touch the pads between the pads' samples: vertices and points along
+    /// sharp edges.
     pub features: Arc<[Feature]>,
-    /// The fingers, left first.
+    /// Fingers, left first.
     pub fingers: Vec<FingerModel>,
     /// Gap at which contact begins, m.
     pub offset: f64,
-    /// Coefficient of friction of the left pad, and of the right one if it is alike.
+    /// Coefficient of friction of the left pad, and of the right one if it is equal.
     pub friction: f64,
-    /// The law of the gel of the left pad, and of the right one if it is alike.
+    /// Constitutive law of the left pad, and of the right one if it is equal.
     pub material: Arc<dyn Material>,
     /// Largest travel of a finger, m.
     pub stroke: f64,
-    /// Distance of the open sensing faces, m.
+    /// Distance between the sensing faces of the open gripper, m.
     pub opening: f64,
     /// Gravity in the object frame at the start of a grasp, m/s2.
     pub gravity: Option<DVec3>,
-    /// Flag: a force closes the fingers; else their travel is prescribed.
+    /// Flag: the fingers are closed by a force; otherwise their travel is prescribed.
     pub force_driven: bool,
-    /// Load per finger at each recorded frame: N of a squeeze, m after first contact of a press; in a dynamic scene the time,
-    /// s.
+    /// Load at each recorded frame: force per finger of a squeeze, N; travel after first contact of a press, m; time of
+    /// a dynamic scene, s.
     pub levels: Vec<f64>,
-    /// Error that the increments of the load may make, over the displacement; None where the answer does not depend on them.
+    /// Tolerance of the path error, over the displacement; None if the solution does not depend on the path.
     pub path_error: Option<f64>,
-    /// Force per finger at which a free object is let go, N: until then it is held where it is, and its support carries its weight.
+    /// Force per finger at which a free object is released, N: below it, the object is held in place and a support
+    /// carries its weight.
     pub release: f64,
-    /// Push that follows the squeeze; its frames have the last force among `levels`.
+    /// Push after the squeeze; in its frames `levels` has the final force.
     pub push: Option<PushLoad>,
-    /// Motion in time; None is quasi-static.
+    /// Data of a dynamic scene; None for a quasi-static one.
     pub dynamics: Option<Dynamics>,
-    /// Motion of a free object at one load level, once held, at which it counts as lost, m; None follows it however far it goes.
+    /// Largest motion of a free object within one load level, once it is held, m; above it the object counts as lost.
+    /// None is no limit.
     pub largest_drift: Option<f64>,
-    /// Motion in the hand after which a free object counts as dropped; None follows one that is held in place, or moves in time.
+    /// Motion relative to the hand after which a free object counts as dropped; None for a fixed object and in a
+    /// dynamic scene.
     pub dropped_after: Option<DropLimits>,
-    /// Approximate memory of a grasp, bytes.
+    /// Estimated memory of a grasp, bytes.
     pub memory: u64,
-    /// Needs of the scene in its world.
+    /// Components of the world and computations that the scene requires.
     pub needs: Needs,
-    /// Judge of the recorded frames, if the scene needs one.
+    /// Auditor of the recorded frames, if the scene requires one.
     pub auditor: Option<Arc<Auditor>>,
-    /// Senses of the tactile sensors that the scene records.
+    /// Tactile observations that the scene records.
     pub senses: Arc<[Box<dyn Sense>]>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
 }
 
-/// Motion in the hand after which an object counts as dropped.
+/// Motion relative to the hand after which an object counts as dropped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DropLimits {
-    /// Motion of the point that was at the centre of the grasp, m.
+    /// Displacement of the point that was midway between the pads, m.
     pub distance: f64,
-    /// Turn, rad.
+    /// Rotation, rad.
     pub angle: f64,
 }
 
-/// Force at which an object with weight is let go, over the last one.
+/// Force at which an object with weight is released over the final force.
 const LIFTED: f64 = 0.5;
 
 impl Model {
     /// Builds the object and meshes the pads.
     ///
     /// # Errors
-    /// [`Error::Mesh`] or [`Error::File`] naming what cannot be simulated and what to do about it.
+    /// Returns an error that names the part that cannot be simulated, and the remedy.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
         let mut notices: Vec<String> = scene.gripper.notice.0.iter().cloned().collect();
         let scaled = object_of(scene, &mut notices)?;
@@ -144,7 +148,7 @@ impl Model {
         }
         let free = scene.object.motion == ObjectMotion::Free;
         let needs = Needs::of(scene);
-        // Friction makes the answer depend on the path of a quasi-static load, nothing else does.
+        // A quasi-static solution is path-dependent only with friction.
         let depends = needs.friction && dynamics.is_none() && !fingers.is_empty();
         let audit = || Arc::new(Auditor::new(&scene.promises(), &scaled, &object, &fingers, offset));
         let auditor = needs.audit.then(audit);
@@ -182,7 +186,7 @@ impl Model {
         Ok(Arc::new(model))
     }
 
-    /// Returns the motion after which the object counts as dropped: by default half of the narrower side of the smaller pad.
+    /// Returns the motion after which the object counts as dropped; by default half of the shortest side of the pads.
     fn dropped_after(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
         let sides = self.fingers.iter().map(|finger| finger.bounds().size().truncate().min_element());
         let half = 0.5 * sides.reduce(f64::min)?;
@@ -191,8 +195,8 @@ impl Model {
         (self.free && self.dynamics.is_none()).then_some(DropLimits { distance, angle })
     }
 
-    /// Returns the model of the same scene with these forces per finger, N, in place of those of its squeeze `loading`, and this coefficient of
-    /// friction.
+    /// Returns the model with other forces per finger, N, than those of its squeeze `loading`, and with another
+    /// coefficient of friction.
     pub fn under(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
         let mut model = Self { levels, friction, ..self.clone() };
         model.fingers.iter_mut().for_each(|finger| finger.law.friction = friction);
@@ -200,7 +204,7 @@ impl Model {
         model
     }
 
-    /// The pads as `run.json` lists them.
+    /// Returns the descriptions of the pads in `run.json`.
     pub fn pad_reports(&self) -> Vec<PadReport> {
         self.fingers
             .iter()
@@ -215,23 +219,23 @@ impl Model {
             .collect()
     }
 
-    /// Returns notices to be read before the pads' stiffness is trusted.
+    /// Returns warnings about locking of the pads' elements.
     pub fn pad_notices(&self) -> BTreeSet<String> {
         self.fingers.iter().filter_map(|f| locking_notice(&f.body)).collect()
     }
 
-    /// Returns true if all pads are the same.
+    /// Returns true if all pads are equal.
     pub fn alike(&self) -> bool {
         self.fingers.windows(2).all(|pair| Arc::ptr_eq(&pair[0].topology, &pair[1].topology))
     }
 
-    /// Returns the box around all pads at rest, pad frame, m; None without fingers.
+    /// Returns the bounding box of all undeformed pads, pad frame, m; None without fingers.
     pub fn pad_bounds(&self) -> Option<Aabb> {
         let pads = self.fingers.iter().map(FingerModel::bounds);
         pads.reduce(|a, b| Aabb { min: a.min.min(b.min), max: a.max.max(b.max) })
     }
 
-    /// The first finger; its pad is like that of the others, if they are alike.
+    /// Returns the first finger, which represents all fingers if the pads are equal.
     ///
     /// # Errors
     /// Fails for a scene without fingers.
@@ -243,33 +247,34 @@ impl Model {
         })
     }
 
-    /// Thickness of the pads, of the thinner one if they differ, m; zero without fingers.
+    /// Returns the thickness of the thinnest pad, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
         thinnest(&self.fingers).unwrap_or(0.0)
     }
 
-    /// Part of the push that acts in frame `frame`; zero without one.
+    /// Returns the fraction of the push in frame `frame`; zero without a push.
     pub fn push_part(&self, frame: usize) -> f64 {
         self.push.as_ref().and_then(|push| push.parts.get(frame)).copied().unwrap_or(0.0)
     }
 
-    /// Returns true if the object is held at first and let go at [`Model::release`].
+    /// Returns true if the object is held in place first and released at [`Model::release`].
     pub fn lets_go(&self) -> bool {
         self.force_driven && self.free && self.dynamics.is_none()
     }
 
-    /// Returns true if the object is still held where it is under the force `force` per finger, N.
+    /// Returns true if the object is still held in place at the force `force` per finger, N.
     pub fn holds(&self, force: f64) -> bool {
         self.lets_go() && force < self.release
     }
 
-    /// Force per finger that turns single points of contact into patches on every pad, N.
+    /// Returns the force per finger at which the contact on every pad has grown from points to a patch, N.
     pub fn contact_force(&self) -> f64 {
         self.fingers.iter().map(FingerModel::contact_force).fold(0.0, f64::max)
     }
 
-    /// Force per finger at which a free object is let go, N, from what the scene says. If it says nothing, an object is let go
-    /// once contact is made, and one with weight once the hand grips with half of its force; at the last level at the latest.
+    /// Returns the force per finger at which a free object is released, N. Unless the scene gives it, an object is
+    /// released at the contact force, and an object with weight at no less than half of the final force; at the final
+    /// force at the latest.
     fn released_at(&self, loading: &Loading) -> f64 {
         let Loading::Squeeze(squeeze) = loading else { return 0.0 };
         let last = self.levels.last().copied().unwrap_or(0.0);
@@ -278,13 +283,14 @@ impl Model {
         given.unwrap_or(self.contact_force().max(lifted)).min(last)
     }
 
-    /// Returns true if the fingers travel alike, as those of a parallel gripper do. Fingers apart and a free object could move
-    /// on together along the closing direction without any force; around a fixed object each finger finds its own place.
+    /// Returns true if the fingers travel equal distances, as in a parallel gripper. With independent fingers, fingers
+    /// and free object could translate together along the closing direction without any force. Around a fixed object,
+    /// each finger has its own equilibrium.
     pub fn geared(&self) -> bool {
         self.free || self.dynamics.is_some()
     }
 
-    /// Unknowns of the solver: those of each pad, travels, pose.
+    /// Returns the number of unknowns of the solver: pads, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
         let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.unknowns()).collect();
         let travels = match (self.force_driven, self.geared()) {
@@ -307,7 +313,7 @@ fn thinnest(fingers: &[FingerModel]) -> Option<f64> {
 pub struct Unknowns {
     /// Unknowns of each pad, left first: three per free node.
     pub pads: Vec<usize>,
-    /// Finger travels that a force drives; in a dynamic scene their common travel.
+    /// Force-driven finger travels; one common travel for geared fingers.
     pub travels: usize,
     /// Translation and rotation of a free object.
     pub pose: usize,

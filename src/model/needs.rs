@@ -1,45 +1,45 @@
-//! Needs of a scene in its world: nothing is spawned, computed or solved for without a request.
+//! Requirements of a scene: nothing is spawned, computed or solved for unless the scene requires it.
 
 use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Observe, Scene};
 use serde::Serialize;
 
-/// Parts of the world that are there only if the scene asks for them.
+/// Optional parts of the world, present only if the scene requires them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Needs {
-    /// Von Mises stress per node and tetrahedron: recorded, or a bound on it is expected.
+    /// Von Mises stress per node and tetrahedron: recorded, or bounded by an expected result.
     pub stress: bool,
     /// Contact force per node: recorded.
     pub contact_force: bool,
-    /// Part of the contact force per node that slides: observed.
+    /// Sliding fraction of the contact force per node: observed.
     pub slip: bool,
-    /// Area of each pad that touches: observed.
+    /// Contact area of each pad: observed.
     pub contact_area: bool,
-    /// Arrays of tactile sensors in the frames: recorded.
+    /// Tactile arrays in the frames: recorded.
     pub tactile: bool,
     /// Distance to the object per node: recorded.
     pub gap: bool,
-    /// Friction state per contact edge: Coulomb's coefficient is above zero.
+    /// Friction state per contact edge: the friction coefficient is above zero.
     pub friction: bool,
     /// Weight of the gel and of a free object: gravity is set.
     pub gravity: bool,
-    /// Smallest det F and gap of a prediction: reported by a run.
+    /// Smallest det F and gap of a network's prediction: reported by a run.
     pub shape: bool,
-    /// An independent judge of every frame: the scene promises something that it judges.
+    /// Independent audit of every frame: an expected result requires it.
     pub audit: bool,
-    /// Velocities, the pose of the hand and time: the loading is dynamic.
+    /// Velocities, pose of the hand and time: the loading is dynamic.
     pub dynamic: bool,
-    /// Contact of the object with its support: there is a ground.
+    /// Contact of the object with the ground: the scene has a ground.
     pub ground: bool,
-    /// Refusal of pads that meet beside the object: there are two pads.
+    /// Check that the pads do not touch each other next to the object: there are two pads.
     pub pads_apart: bool,
-    /// A load on the object that is given from outside, step by step: an agent acts in the world.
+    /// External load on the object, set step by step: an agent acts in the world.
     pub task: bool,
-    /// A pose that changes: the object is free.
+    /// Variable pose of the object: the object is free.
     pub free_object: bool,
 }
 
 impl Needs {
-    /// Returns the needs of `scene`.
+    /// Returns the requirements of `scene`.
     pub fn of(scene: &Scene) -> Self {
         let promises = scene.promises();
         let recorded = |field: Field| scene.record.fields.contains(&field);
@@ -64,7 +64,7 @@ impl Needs {
         needs
     }
 
-    /// Adds what these observations are made of.
+    /// Adds the quantities from which these observations are computed.
     pub fn observe(&mut self, observed: &[Observe]) {
         use Observe::{CenterOfPressure, ContactArea, Pressure, Shear, Slip, TaxelForce};
         let any = |made_of: fn(&Observe) -> bool| observed.iter().any(made_of);

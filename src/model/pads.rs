@@ -1,4 +1,4 @@
-//! Pads of a scene, meshed and placed on its fingers: one for both, or each its own.
+//! Pads of a scene, meshed and placed on its fingers: one mesh for both, or one for each.
 
 use super::accuracy;
 use crate::error::{Error, Result};
@@ -13,18 +13,18 @@ use std::sync::Arc;
 
 /// Pads of a scene.
 pub(super) struct MeshedPads {
-    /// The fingers, left first.
+    /// Fingers, left first.
     pub fingers: Vec<FingerModel>,
-    /// Approximate memory of a grasp, bytes.
+    /// Estimated memory of a grasp, bytes.
     pub memory: u64,
-    /// Gap at which contact begins, m: that of the thinner pad.
+    /// Contact offset (gap at which contact begins), m, from the thinner pad.
     pub offset: f64,
 }
 
-/// Meshes the pads of `scene` and places them; the reason for a mesh, repairs and assumptions go to `notices`.
+/// Meshes the pads of `scene` and places them; adds the reason for the mesh, repairs and assumptions to `notices`.
 ///
 /// # Errors
-/// Fails if a pad cannot be meshed, or takes more memory than is free.
+/// Fails if a pad cannot be meshed, or needs more memory than is free.
 pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &mut Vec<String>) -> Result<MeshedPads> {
     let sides = match scene.gripper.fingers {
         Fingers::Both => 2,
@@ -64,7 +64,7 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
     }
     if let (true, 2, [left]) = (alike, sides, fingers.as_mut_slice()) {
         let mut right = left.on(1, &scene.gripper);
-        // The same law for both: they are alike up to the rounding of their places.
+        // One contact law for both: the spacings of equal pads differ only by the rounding of their placements.
         let spacing = left.surface.spacing.min(right.surface.spacing);
         let young = scene.gripper.material.spec().young;
         left.law = ContactLaw::new(young, spacing, left.law.friction, offset);
@@ -74,7 +74,7 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
     Ok(MeshedPads { fingers, memory, offset })
 }
 
-/// Returns the law of a gel.
+/// Returns the constitutive law of a gel.
 pub(super) fn law(spec: MaterialSpec) -> Arc<dyn Material> {
     match spec.law {
         scene::Law::NeoHookean => Arc::new(NeoHookean::new(spec.young, spec.poisson)),

@@ -3,34 +3,35 @@
 use crate::scene::loading::ObjectPush;
 use glam::{DQuat, DVec3};
 
-/// Dead forces of a push, and the part of them that acts in each frame.
+/// Dead load of a push, and the fraction of it in each frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PushLoad {
     /// Force on the centre of mass, N, hand frame.
     pub force: DVec3,
-    /// Torque, N m, hand frame, on an object that is turned as at first contact.
+    /// Torque, N m, hand frame, at the object's rotation at first contact.
     pub torque: DVec3,
-    /// Part of the push that acts in each frame, 0 to 1.
+    /// Fraction of the push in each frame, 0 to 1.
     pub parts: Vec<f64>,
 }
 
-/// Part of a push with which its path begins.
+/// Fraction of a push in its first increment.
 pub const FIRST_PART: f64 = 0.05;
 
 impl PushLoad {
-    /// Creates the push of a scene whose object is squeezed in `frames` frames before.
+    /// Creates the push after a squeeze of `frames` frames.
     pub fn new(push: &ObjectPush, frames: usize) -> Self {
         let parts = std::iter::repeat_n(0.0, frames).chain(push.parts()).collect();
         Self { force: push.force.dvec3(), torque: push.torque.dvec3(), parts }
     }
 
-    /// Returns force and torque of the part `part` of the push.
+    /// Returns force and torque of the fraction `part` of the push.
     pub fn at(&self, part: f64) -> [DVec3; 2] {
         [self.force * part, self.torque * part]
     }
 
-    /// Returns the arms of the torque, m, hand axes, with the forces on their ends, N: `torque = sum of arm x force`. There are two pairs
-    /// of opposite forces, so that no direction across the torque differs from the others.
+    /// Returns the lever arms of the torque (m, hand frame) with the forces at their ends (N):
+    /// `torque = sum of arm x force`. There are two couples, so that all directions perpendicular to the torque are
+    /// equivalent.
     pub fn couple(&self, length: f64) -> Vec<(DVec3, DVec3)> {
         let Some(axis) = self.torque.try_normalize() else { return Vec::new() };
         let across = axis.any_orthonormal_vector() * length;
@@ -39,7 +40,7 @@ impl PushLoad {
         arms.into_iter().flat_map(|arm| [(arm, force(arm)), (-arm, -force(arm))]).collect()
     }
 
-    /// Returns the torque of the whole push on an object that has turned by `turn` since first contact, N m, hand frame.
+    /// Returns the torque of the full push on an object rotated by `turn` since first contact, N m, hand frame.
     pub fn torque_after(&self, turn: DQuat) -> DVec3 {
         self.couple(1.0).into_iter().map(|(arm, force)| (turn * arm).cross(force)).sum()
     }

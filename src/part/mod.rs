@@ -1,4 +1,4 @@
-//! Parts of a scene as geometry and bodies: the object, the pads on their fingers.
+//! Geometry and bodies of a scene: the object, and the pads on their fingers.
 
 pub mod object;
 pub mod pad;

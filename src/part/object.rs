@@ -16,17 +16,18 @@ use std::sync::Arc;
 /// Largest distance of a point of the object from the origin of its frame, m.
 const FARTHEST: f64 = 1e3;
 
-/// Distance from the middle over that of most vertices from which on a vertex is a stray one, not part of a slender object.
+/// Ratio of a vertex's distance from the median position to the median of these distances above which it counts as a
+/// stray vertex and not as part of a slender object.
 const STRAY: f64 = 100.0;
 
-/// Largest number of points of the object that are tested against a pad: they take about 1.5 GB.
+/// Largest number of contact vertices of the object: they take about 1.5 GB.
 const MAX_FEATURES: u64 = 1_000_000;
 
-/// Reads or generates the object, at its scale; repairs of a file go to `notices`.
+/// Reads or generates the object and scales it; adds repairs of a file to `notices`.
 ///
 /// # Errors
-/// Fails for an unreadable file, a size that no gripper holds, or a surface that does not enclose a volume; the message names the
-/// file.
+/// Fails for an unreadable file, a size beyond the limits, or a surface that does not enclose a volume; the message
+/// names the file.
 pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape> {
     let scale = object.factor();
     let shape = match &object.shape {
@@ -51,8 +52,8 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
     if scale == 1.0 { Ok(shape) } else { shape.scaled(scale) }
 }
 
-/// Returns `shape`, which is that of `object`, with the surface that pads feel whose points lie `spacing` (m) apart; `+inf` without pads. What
-/// the surface is, and its error, goes to `notices`.
+/// Returns `shape`, the shape of `object`, with its contact surface for pads with sample spacing `spacing` (m; `+inf`
+/// without pads). Adds the kind of the surface and its error to `notices`.
 ///
 /// # Errors
 /// Fails for a radius that is too small for the size of the object.
@@ -89,7 +90,7 @@ pub fn with_contact_surface(
     Ok(shape)
 }
 
-/// Checks that the scaled object is not too large, and not too far from its origin.
+/// Checks that the scaled object is not too large and not too far from its origin.
 fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     let size = scale * Aabb::of(mesh.vertices.iter().copied()).size().max_element();
     if size > LENGTH_LIMIT {
@@ -118,7 +119,8 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     })
 }
 
-/// Returns the vertex farthest from the middle (median) of all, and its distance, m, if it is [`STRAY`] times as far as most others.
+/// Returns the vertex farthest from the median position of all vertices, and its distance, m, if it exceeds the median
+/// distance by the factor [`STRAY`].
 fn stray(mesh: &TriMesh) -> Option<(usize, f64)> {
     let middle = DVec3::from_array([0, 1, 2].map(|axis| median(mesh.vertices.iter().map(|p| p[axis]))));
     let away = |p: &DVec3| p.distance(middle);
@@ -127,16 +129,16 @@ fn stray(mesh: &TriMesh) -> Option<(usize, f64)> {
     (farthest.1 > STRAY * most).then_some(farthest)
 }
 
-/// Returns the generator of a shape that is not a file.
+/// Returns the generator of a shape that is not from a file.
 fn kind(shape: &o::ObjectShape) -> ShapeKind {
     match shape {
-        // A mesh never gets here; a unit ball is the harmless answer.
+        // Never reached for a mesh; any valid shape will do.
         o::ObjectShape::Mesh(_) => ShapeKind::Sphere { radius: 1.0 },
         o::ObjectShape::Sphere(s) => ShapeKind::Sphere { radius: s.radius.get() },
         o::ObjectShape::Cuboid(s) => ShapeKind::Cuboid { size: s.size.size(), edge_radius: s.edge_radius.get() },
         o::ObjectShape::Ellipsoid(s) => ShapeKind::Ellipsoid { semi_axes: s.radii.size() },
         o::ObjectShape::Cylinder(s) => ShapeKind::Cylinder { radius: s.radius.get(), height: s.height.get() },
-        // A scene gives the height of the cylindrical part, the generator takes the whole length.
+        // A scene gives the height of the cylindrical part, the generator takes the total length.
         o::ObjectShape::Capsule(s) => {
             ShapeKind::Capsule { radius: s.radius.get(), length: s.height.get() + 2.0 * s.radius.get() }
         }
@@ -164,17 +166,18 @@ fn kind(shape: &o::ObjectShape) -> ShapeKind {
         },
         o::ObjectShape::Sweep(s) => ShapeKind::Sweep {
             path: s.path.iter().map(|p| p.dvec3()).collect(),
-            // One radius is that of all points.
+            // A single radius applies to all points.
             radii: (0..s.path.len()).filter_map(|i| s.radii.get(i).or(s.radii.first())).map(|r| r.get()).collect(),
         },
     }
 }
 
-/// Returns the features of the object for a pad whose points lie `spacing` (m) apart. Points along sharp edges lie half that
-/// distance apart; an edge between facets has one feature on every stretch of that length. Contact has this `offset` (m).
+/// Returns the contact vertices of the object for a pad with sample spacing `spacing` (m) and contact offset `offset`
+/// (m). Points along sharp edges are half the spacing apart; an edge between facets has one movable vertex per segment
+/// of the length of the spacing.
 ///
 /// # Errors
-/// Fails if there are more features than can be tested against a pad.
+/// Fails if there are more than [`MAX_FEATURES`] vertices.
 pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {

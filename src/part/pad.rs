@@ -24,12 +24,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Finger: its pad in hand axes, and the data that the solver and the recorder need of it.
+/// Finger: its pad in the hand frame, and the data that the solver and the recorder need of it.
 #[derive(Debug, Clone)]
 pub struct FingerModel {
-    /// Rest mesh in the hand frame at zero travel, and law.
+    /// Reference mesh in the hand frame at zero travel, and constitutive law.
     pub body: Arc<Body>,
-    /// Points of the pad's free surface that can touch the object.
+    /// Samples of the pad's free surface that can touch the object.
     pub surface: Arc<ContactSurface>,
     /// Topology of the pad for records, in the pad frame.
     pub topology: Arc<PadTopology>,
@@ -37,7 +37,7 @@ pub struct FingerModel {
     pub placement: FingerPlacement,
     /// Kind of element, for reports.
     pub element: String,
-    /// Mesh quality before mid-edge nodes.
+    /// Mesh quality without mid-edge nodes.
     pub quality: Quality,
     /// Density of the gel, kg/m3.
     pub gel_density: f64,
@@ -46,7 +46,7 @@ pub struct FingerModel {
 }
 
 impl FingerModel {
-    /// Returns the faces of the elements that are part of the sensing face.
+    /// Returns the element faces of the sensing face.
     pub fn sensing_faces(&self) -> Vec<SurfaceFace> {
         let sensing: BTreeSet<u32> = self.topology.sensing.iter().flatten().copied().collect();
         let sensing = |face: &&SurfaceFace| {
@@ -56,13 +56,13 @@ impl FingerModel {
     }
 }
 
-/// Returns the size of a generated pad along x, y and z, m; None for one from a file.
+/// Returns the size of a generated pad along x, y and z, m; None for a pad from a file.
 pub fn extent(pads: &Pads) -> Option<[f64; 3]> {
     grid(pads).map(|(_, size)| size)
 }
 
-/// Returns the mesh resolution of a generated pad, and its size along x, y and z, m; None for a pad from a file. An accuracy has no
-/// effect here: see [`crate::model::accuracy`].
+/// Returns the mesh resolution of a generated pad, and its size along x, y and z, m; None for a pad from a file. An
+/// accuracy has no effect here, see [`crate::model::accuracy`].
 fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     let fine = |density, grading: scene::leaf::Ratio, focus: scene::leaf::Ratio| Resolution {
         density,
@@ -88,19 +88,19 @@ fn grid(pads: &Pads) -> Option<(Resolution, [f64; 3])> {
     }
 }
 
-/// Returns the mesh size of a generated pad before it is meshed; None for one from a file.
+/// Returns the number of nodes and unknowns of a generated pad before it is meshed; None for a pad from a file.
 ///
 /// # Errors
-/// Fails if the generators refuse the number of cells.
+/// Fails if the number of cells is out of range.
 pub fn size(pads: &Pads, element: Element) -> Result<Option<PadSize>> {
     let Some((resolution, size)) = grid(pads) else { return Ok(None) };
     Ok(Some(PadSize::of_cells(resolution.cells_for(size)?, element)))
 }
 
-/// Meshes or reads the pad; repairs and assumptions go to `notices`.
+/// Meshes or reads the pad; adds repairs and assumptions to `notices`.
 ///
 /// # Errors
-/// Fails if the generators or readers refuse the pad, and for a mesh without tetrahedra.
+/// Fails if the pad cannot be generated or read, and for a mesh without tetrahedra.
 pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality)> {
     let pad = match (pads, grid(pads)) {
         (Pads::GelSightMini(g), Some((fine, _))) => {
@@ -125,7 +125,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
     Ok((pad, quality))
 }
 
-/// Mean ratio below which an element is named in a notice.
+/// Mean ratio below which a notice about the worst element is given.
 const POOR: f64 = 0.1;
 
 fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
@@ -134,7 +134,7 @@ fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let (outward, across) = (file.outward.dvec3().normalize(), file.across.map(|a| a.dvec3()));
     let placement = pad::PadPlacement { outward, across, bonding };
     let (mut pad, news) = pad::read_pad_group(&file.path, file.group.as_deref(), &placement, listed)?;
-    // The reader takes coordinates as metres, which `scale` says they are not.
+    // The reader's notice that coordinates are taken as metres does not apply with a `scale`.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
     let size = Aabb::of(pad.mesh.nodes.iter().copied()).size();
@@ -154,7 +154,8 @@ fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     Ok(pad)
 }
 
-/// Returns the rule that bonds the pad, in the unit of its file, and the file that lists nodes, if there is one.
+/// Returns the bonding rule of the pad, in the unit of its file, and the file that lists the bonded nodes, if there is
+/// one.
 fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding, Option<&'f Path>)> {
     let scale = file.scale.get();
     let rule = match &file.bonded {
@@ -175,13 +176,13 @@ fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding,
 }
 
 impl FingerModel {
-    /// Returns the box around the pad at rest, pad frame, m.
+    /// Returns the bounding box of the undeformed pad, pad frame, m.
     pub fn bounds(&self) -> Aabb {
         Aabb::of(self.topology.rest.iter().copied())
     }
 
-    /// Places `pad` with its mesh quality on finger `side` (0 left, 1 right) of a gripper whose pads are all like it. Contact begins at the gap
-    /// `offset` (m).
+    /// Places `pad`, with its mesh quality, on finger `side` (0 left, 1 right) of a gripper with two equal pads.
+    /// `offset` is the contact offset, m.
     ///
     /// # Errors
     /// Fails for a pad without a free surface.
@@ -201,7 +202,7 @@ impl FingerModel {
             Element::Quadratic => {
                 let promoted = quadratic::promote(&pad.mesh);
                 let mut bonded = pad.bonded.clone();
-                // The middle of an edge is glued where both its ends are.
+                // The midpoint of an edge is bonded if both end nodes are.
                 let glued = |[a, b]: [u32; 2]| pad.bonded[a as usize] && pad.bonded[b as usize];
                 bonded.extend(quadratic::midpoint_edges(&pad.mesh).into_iter().map(glued));
                 (promoted.nodes, body::Elements::Quadratic(promoted.tets), bonded, fem.mean_dilatation)
@@ -225,7 +226,7 @@ impl FingerModel {
         Ok(Self { body, surface, topology, placement, element, quality, gel_density: spec.density, law })
     }
 
-    /// Returns this pad on finger `side` (0 left, 1 right): all data but the placement are shared.
+    /// Returns this pad on finger `side` (0 left, 1 right); all data except the placement are shared.
     pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
         let placement = placement(side, gripper);
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
@@ -233,7 +234,7 @@ impl FingerModel {
         Self { body: Arc::new(self.body.placed(rest)), surface, placement, ..self.clone() }
     }
 
-    /// Returns the force that turns single points of contact into patches, N: `0.02 E t^2`.
+    /// Returns the force at which the contact has grown from points to a patch, N: `0.02 E t^2`.
     pub fn contact_force(&self) -> f64 {
         CONTACT_FORCE * self.body.material.moduli().young * self.topology.thickness().powi(2)
     }
@@ -246,7 +247,7 @@ fn placement(side: usize, gripper: &Gripper) -> FingerPlacement {
     placement
 }
 
-/// Returns the topology of the pad for records.
+/// Returns the topology of the pad for the recorder.
 fn topology(
     pad: &PadMesh,
     nodes: &[DVec3],

@@ -1,20 +1,21 @@
-//! Rules for the nodes of a pad from a file that are bonded to the finger.
+//! Selection of the nodes of a pad from a file that are bonded to the finger.
 
 use super::leaf::{Depth, Finite};
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Rule for the nodes that are bonded to the finger. Directions and positions are in the axes of the pad's file, lengths in metres.
+/// Selection of the nodes that are bonded to the finger. Directions and positions are in the axes of the pad file,
+/// lengths in metres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum BondingRule {
-    /// Nodes on or behind a plane, or close in front of it.
+    /// Nodes on or behind a plane, or within a distance in front of it.
     Plane(BondingPlane),
-    /// Nodes close to the surface of what carries the gel, or inside it.
+    /// Nodes within a distance of the surface of the part that carries the gel, or inside it.
     NearMesh(BondingMesh),
-    /// Nodes with these numbers, in the order of the file, from 0 on.
+    /// Nodes with these indices in the order of the file, from 0.
     Nodes(Vec<usize>),
-    /// Nodes that a text file names: their numbers, from 0 on, or one 0 or 1 for each node of the mesh.
+    /// Nodes listed in a text file: either their indices, from 0, or a 0 or 1 for each node of the mesh.
     NodesFile(PathBuf),
 }
 
@@ -24,17 +25,18 @@ impl Default for BondingRule {
     }
 }
 
-/// Plane that the pad is bonded at.
+/// Plane at which the pad is bonded.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BondingPlane {
-    /// Normal of the plane, into the finger; any length except zero. None is the opposite of `outward`.
+    /// Normal of the plane, towards the finger; any nonzero length. None is the opposite of `outward`.
     #[serde(default)]
     pub normal: Option<Vec3>,
-    /// Position of the plane along its normal, m. None puts it through the farthest node.
+    /// Position of the plane along its normal, m. None places it through the node farthest along the normal.
     #[serde(default)]
     pub offset: Option<Finite>,
-    /// Distance in front of the plane within which nodes are bonded, m. None bonds the nodes on the plane and behind it only.
+    /// Distance in front of the plane within which nodes are bonded, m. None bonds only the nodes on the plane and
+    /// behind it.
     #[serde(default)]
     pub within: Option<Depth>,
 }
@@ -43,8 +45,8 @@ pub struct BondingPlane {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BondingMesh {
-    /// Path of the surface (`.obj`, `.stl`, `.ply`), in axes and unit of the pad's file; it may be open.
+    /// Path of the surface mesh (`.obj`, `.stl`, `.ply`), in the axes and unit of the pad file; it may be open.
     pub path: PathBuf,
-    /// Distance from the surface within which nodes are bonded, m; those inside are bonded, too.
+    /// Distance from the surface within which nodes are bonded, m; nodes inside a closed surface are bonded, too.
     pub within: Depth,
 }

@@ -1,4 +1,4 @@
-//! Checks across fields, which no single value can make.
+//! Checks of the consistency of several fields.
 
 use super::bonding::{BondingPlane, BondingRule};
 use super::expect::{Bounds, Expectation};
@@ -15,27 +15,27 @@ use crate::number::shown;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// Error of a field that does not fit the rest of the scene.
+/// Error of a field that is inconsistent with the rest of the scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Problem {
     /// Path of the field, like `object.shape.inner`.
     pub path: String,
-    /// Message that says what is wrong; further lines are the help.
+    /// Error message; further lines are the help.
     pub message: String,
 }
 
 /// Largest number of objects of a scene.
 pub const OBJECTS: usize = 10_000;
-/// Largest number of promises of a scene.
+/// Largest number of expected results of a scene.
 pub const PROMISES: usize = 1_000;
 /// Largest number of depths of a press, equal to the largest number of its frames.
 pub const DEPTHS: usize = 10_000;
-/// Largest product of the length of the text that objects share and the number of objects, bytes: each object gets a
-/// copy.
+/// Largest product of the length of the text that all objects share and the number of objects, bytes: each object gets
+/// a copy.
 pub const SHARED: usize = 256 << 20;
 
-/// Checks the lists of objects: no name twice, not both one object and several, and no more objects and text than the
-/// limits. `shared` is the length of the text outside the list of objects, bytes.
+/// Checks the lists of objects: unique names, only one of `object`, `objects` and `universe`, and object number and
+/// text length within the limits. `shared` is the length of the text outside the list of objects, bytes.
 pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
     if let Some(universe) = &part.universe {
         if part.object.is_some() || part.objects.is_some() {
@@ -100,7 +100,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     promises(scene)
 }
 
-/// Checks the promises of the scene, separately for each backend.
+/// Checks the expected results of the scene, separately for each backend.
 fn promises(scene: &Scene) -> Result<(), Problem> {
     for (field, list) in scene.promise_lists() {
         if list.len() > PROMISES {
@@ -186,7 +186,7 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Checks the pads of both fingers, and that nothing reads pads that differ as if they were alike.
+/// Checks the pads of both fingers, and that fields which require equal pads are not used with different pads.
 fn gripper(scene: &Scene) -> Result<(), Problem> {
     let gripper = &scene.gripper;
     pads(&gripper.pads, "gripper.pads")?;
@@ -262,7 +262,7 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
     }
 }
 
-/// Checks that sampled grasps have two fingers, because each of them has two contacts.
+/// Checks fingers, motion of the object and levels of a quasi-static loading.
 fn loading(scene: &Scene) -> Result<(), Problem> {
     if matches!(scene.loading, Loading::Dynamic(_)) {
         return Ok(());
@@ -328,7 +328,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
     }
 }
 
-/// Checks that no press goes further than the stroke of a finger.
+/// Checks that a press does not exceed the stroke of a finger.
 fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     let (last, stroke) = (levels.last().copied().unwrap_or(0.0), scene.gripper.stroke.get());
     if last <= stroke {
@@ -337,7 +337,7 @@ fn travel(scene: &Scene, levels: Vec<f64>) -> Result<(), Problem> {
     refuse("loading", format!("a press of {} m is longer than the finger's stroke ({} m)", shown(last), shown(stroke)))
 }
 
-/// Checks the fields that motion in time excludes and those that require it.
+/// Checks the fields that a dynamic loading excludes and those that require it.
 fn dynamic(scene: &Scene) -> Result<(), Problem> {
     let Loading::Dynamic(dynamic) = &scene.loading else {
         let moving = [
@@ -383,7 +383,7 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Checks that a promise makes sense in this scene; the error is the message.
+/// Checks that an expected result applies to this scene; the error is the message.
 fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
     match (&scene.loading, expectation) {
         (Loading::Dynamic(_), Expectation::Converged(_)) => {

@@ -1,14 +1,14 @@
-//! Convention in which a grasp file writes a pose.
+//! Convention of the poses in a grasp file.
 
 use super::defaults;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Meaning of the numbers of a grasp file; the default is the convention of DefGraspSim.
+/// Convention of the poses in a grasp file; the default is that of DefGraspSim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Convention {
-    /// Order of the four numbers of a quaternion; matrices do not use it.
+    /// Order of the four components of a quaternion; not used for matrices.
     #[serde(default = "defaults::quaternion")]
     pub quaternion: QuaternionOrder,
     /// Axis of the file's hand frame along which the fingers close.
@@ -19,7 +19,7 @@ pub struct Convention {
     pub approach: HandAxis,
 }
 
-/// Order of a quaternion's numbers; w is the real part.
+/// Order of the components of a quaternion; w is the real part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename = "quaternion")]
 pub enum QuaternionOrder {
@@ -63,7 +63,7 @@ impl Default for Convention {
 }
 
 impl Convention {
-    /// Returns true if closing and approach are perpendicular, as they are for every hand.
+    /// Returns true if the closing and approach axes are perpendicular, which every hand requires.
     pub fn is_right_angled(&self) -> bool {
         self.closing.vector().dot(self.approach.vector()) == 0.0
     }

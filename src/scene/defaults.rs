@@ -1,4 +1,4 @@
-//! Defaults of a scene file, each in one place: serde, `Default` and the documentation all take them from here.
+//! Defaults of a scene file, each defined once: serde, `Default` and the documentation use these constants.
 
 use super::convention::{HandAxis, QuaternionOrder};
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
@@ -14,15 +14,15 @@ macro_rules! defaults {
 }
 
 defaults! {
-    /// Object: factor on the shape's lengths.
+    /// Object: factor on the lengths of the shape.
     SCALE: Positive = Positive::preset(1.0);
     /// Object: density, kg/m3.
     OBJECT_DENSITY (object_density): Positive = Positive::preset(1000.0);
-    /// Object: turn in the hand after which it counts as dropped, degrees.
+    /// Object: rotation relative to the hand after which it counts as dropped, degrees.
     DROPPED_TURN_DEG (dropped_turn_deg): Positive = Positive::preset(45.0);
     /// Object: radius of rounded edges, m; zero is sharp.
     EDGE_RADIUS (edge_radius): Depth = Depth::preset(0.0);
-    /// Object: divisions of a full turn of a generated surface.
+    /// Object: segments of the full circumference of a generated surface.
     SEGMENTS (segments): Count<8, 512> = Count::preset(64);
     /// Lemon: tip to tip, m.
     LEMON_LENGTH (lemon_length): Length = Length::preset(0.060);
@@ -36,149 +36,149 @@ defaults! {
     PEAR_LENGTH (pear_length): Length = Length::preset(0.090);
     /// Pear: largest diameter, m.
     PEAR_DIAMETER (pear_diameter): Length = Length::preset(0.060);
-    /// Banana: length along its bend, m.
+    /// Banana: arc length of the centre line, m.
     BANANA_LENGTH (banana_length): Length = Length::preset(0.120);
     /// Banana: largest diameter, m.
     BANANA_DIAMETER (banana_diameter): Length = Length::preset(0.030);
-    /// Banana: angle that its arc turns, degrees.
+    /// Banana: angle subtended by the arc, degrees.
     BANANA_BEND (banana_bend): Positive = Positive::preset(70.0);
-    /// Potato: half axes before it is made lumpy, m.
+    /// Potato: semi-axes before the lumps are added, m.
     POTATO_RADII (potato_radii): Size = Size::preset_size(0.034, 0.026, 0.022);
-    /// Potato: height of its lumps as a fraction of its radius.
+    /// Potato: height of the lumps as a fraction of the radius.
     POTATO_ROUGHNESS (potato_roughness): NonNegative = NonNegative::preset(0.06);
 
-    /// Grasp file: order of a quaternion's numbers.
+    /// Grasp file: order of the components of a quaternion.
     QUATERNION (quaternion): QuaternionOrder = QuaternionOrder::Wxyz;
     /// Grasp file: axis of its hand frame along which the fingers close.
     CLOSING (closing): HandAxis = HandAxis::X;
     /// Grasp file: axis of its hand frame along which the hand approaches.
     APPROACH (approach): HandAxis = HandAxis::Z;
 
-    /// Gripper: distance of the two sensing faces when open, m.
+    /// Gripper: distance between the two sensing faces when open, m.
     OPENING: Length = Length::preset(0.08);
     /// Gripper: largest travel of each finger, m.
     STROKE: Length = Length::preset(0.04);
-    /// Gripper: Coulomb friction between pad and object.
+    /// Gripper: coefficient of Coulomb friction between pad and object.
     FRICTION: NonNegative = NonNegative::preset(0.8);
     /// Placement: centre of the pads along the approach (hand z), m.
     PLACEMENT_Z: Finite = Finite::preset(0.1);
     /// Placement: centre of the pads along the finger width (hand y), m.
     PLACEMENT_Y: Finite = Finite::preset(0.0);
 
-    /// Gel of a GelSight Mini: distance between nodes of the sensing face, m; that of the network's training.
+    /// Gel of a GelSight Mini: node spacing of the sensing face, m, on which the network was trained.
     GELSIGHT_SPACING: Length = Length::preset(2.6e-3);
-    /// Box of gel: distance between nodes, m.
+    /// Box of gel: node spacing, m.
     PAD_SPACING: Length = Length::preset(1.5e-3);
-    /// Pad: thickness of a layer over that of the layer before it, away from the sensing face.
+    /// Pad: ratio of the thicknesses of successive layers, from the sensing face to the back.
     PAD_GRADING (pad_grading): Ratio = Ratio::preset(1.0);
-    /// Pad: width of the cells at the rim over those at the centre.
+    /// Pad: ratio of the cell widths at the rim and at the centre.
     PAD_FOCUS (pad_focus): Ratio = Ratio::preset(1.0);
-    /// Disc pad: node distance, m.
+    /// Disc pad: node spacing, m.
     DISC_SPACING: Length = Length::preset(1.0e-3);
-    /// Pad file: factor from the file's unit to metres.
+    /// Pad file: conversion factor from the unit of the file to metres.
     PAD_SCALE (pad_scale): Positive = Positive::preset(1.0);
-    /// Pad file: direction out of the gel towards the object, in the file's axes.
+    /// Pad file: outward normal of the sensing face, in the axes of the file.
     PAD_OUTWARD (pad_outward): Vec3 = Vec3::preset3(0.0, 0.0, 1.0);
     /// Universe: number of objects.
     UNIVERSE_OBJECTS: Count<1, 10000> = Count::preset(2000);
-    /// Universe: number of grasps of each object.
+    /// Universe: number of grasps per object.
     UNIVERSE_GRASPS: Count<1, 1000> = Count::preset(2);
     /// Universe: number of different sensors.
     UNIVERSE_SENSORS: Count<1, 10000> = Count::preset(96);
-    /// Universe: widths of objects over the thickness of the pads.
+    /// Universe: range of the object width over the pad thickness.
     UNIVERSE_SIZE: Span = Tuple([Positive::preset(2.5), Positive::preset(14.0)]);
-    /// Universe: coefficients of friction.
+    /// Universe: range of the coefficient of friction.
     UNIVERSE_FRICTION: Span = Tuple([Positive::preset(0.2), Positive::preset(1.2)]);
-    /// Universe: Poisson's ratios.
+    /// Universe: range of Poisson's ratio.
     UNIVERSE_POISSON: Span = Tuple([Positive::preset(0.3), Positive::preset(0.495)]);
-    /// Universe: last forces on a finger over E t^2.
+    /// Universe: range of the final force per finger over E t^2.
     UNIVERSE_FORCE: Span = Tuple([Positive::preset(0.4), Positive::preset(1.2)]);
-    /// Universe: forces on a finger over E t^2 at which objects are let go.
+    /// Universe: range of the force per finger over E t^2 at which objects are released.
     UNIVERSE_RELEASE: Span = Tuple([Positive::preset(0.02), Positive::preset(0.4)]);
-    /// Universe: part of the objects whose grasps are square.
+    /// Universe: fraction of the objects grasped perpendicular to faces or axes.
     UNIVERSE_SQUARE: NonNegative = NonNegative::preset(0.4);
-    /// Universe: part of the objects with weight.
+    /// Universe: fraction of the objects with weight.
     UNIVERSE_HEAVY: NonNegative = NonNegative::preset(0.4);
-    /// Universe: largest weight over the last sum of the finger forces.
+    /// Universe: largest weight over the final sum of the finger forces.
     UNIVERSE_WEIGHT: Positive = Positive::preset(0.5);
-    /// Universe: part of the objects that are pushed.
+    /// Universe: fraction of the objects that are pushed.
     UNIVERSE_PUSHED: NonNegative = NonNegative::preset(0.5);
-    /// Universe: largest push over what friction holds.
+    /// Universe: largest push over the friction limit.
     UNIVERSE_PUSH: Positive = Positive::preset(0.8);
-    /// Universe: part of the objects with one finger.
+    /// Universe: fraction of the objects pressed by one finger.
     UNIVERSE_SINGLE: NonNegative = NonNegative::preset(0.08);
-    /// Universe: lengths of pads along the approach, m.
+    /// Universe: range of the pad length along the approach, m.
     UNIVERSE_PAD_LENGTH: Span = Tuple([Positive::preset(0.015), Positive::preset(0.035)]);
-    /// Universe: widths of pads, m.
+    /// Universe: range of the pad width, m.
     UNIVERSE_PAD_WIDTH: Span = Tuple([Positive::preset(0.012), Positive::preset(0.03)]);
-    /// Universe: thicknesses of pads, m.
+    /// Universe: range of the pad thickness, m.
     UNIVERSE_PAD_THICKNESS: Span = Tuple([Positive::preset(0.002), Positive::preset(0.008)]);
-    /// Universe: numbers of cells of the sensing face.
+    /// Universe: range of the number of cells of the sensing face.
     UNIVERSE_PAD_CELLS: Span = Tuple([Positive::preset(60.0), Positive::preset(160.0)]);
-    /// Universe: part of the objects with round pads.
+    /// Universe: fraction of the objects with round pads.
     UNIVERSE_PAD_ROUND: NonNegative = NonNegative::preset(0.15);
-    /// Universe: part of the objects with domed pads.
+    /// Universe: fraction of the objects with domed pads.
     UNIVERSE_PAD_DOMED: NonNegative = NonNegative::preset(0.15);
 
     /// Soft material: density, kg/m3.
     GEL_DENSITY (gel_density): Positive = Positive::preset(1000.0);
 
-    /// Data sets: fraction of the poses of each object that is kept for the test.
+    /// Data sets: fraction of the grasps of each object that is held out for the test set.
     SPLIT_TEST: Fraction = Fraction::preset(0.2);
-    /// Sampled grasps: largest angle between the closing axis and the surface normals, degrees, if the friction cone is
-    /// not narrower.
+    /// Sampled grasps: largest angle between the closing axis and the surface normals, degrees, unless the friction
+    /// cone is narrower.
     TILT (tilt): Positive = Positive::preset(15.0);
 
-    /// Loading: recorded frames.
+    /// Loading: number of recorded frames.
     FRAMES (frames): Count<1, 10000> = Count::preset(50);
 
     /// Push: force, N, and torque, N m.
     PUSH (push): Vec3 = Vec3::preset3(0.0, 0.0, 0.0);
-    /// Push: recorded frames.
+    /// Push: number of recorded frames.
     PUSH_FRAMES (push_frames): Count<1, 10000> = Count::preset(10);
 
     /// Dynamic: time step, s.
     TIME_STEP (time_step): Seconds = Seconds::preset(1e-3);
-    /// Dynamic: viscosity of the gel over its stiffness, s.
+    /// Dynamic: ratio of viscosity to stiffness of the gel, s.
     DAMPING (damping): NonNegative = NonNegative::preset(0.0);
-    /// Dynamic: speed of a finger that closes on nothing, m/s (twice that of a Franka hand's finger).
+    /// Dynamic: speed of a finger that closes without contact, m/s (twice that of a finger of the Franka hand).
     CLOSING_SPEED (closing_speed): Positive = Positive::preset(0.1);
-    /// Ground: direction out of it.
+    /// Ground: outward normal.
     GROUND_NORMAL: Direction = Direction::preset3(0.0, 0.0, 1.0);
-    /// Ground: Coulomb friction between it and the object.
+    /// Ground: coefficient of Coulomb friction between ground and object.
     GROUND_FRICTION: NonNegative = NonNegative::preset(0.8);
 
-    /// Task: sum of the finger forces, N.
+    /// Task: range of the sum of the finger forces, N.
     TASK_FORCE: Span = Tuple([Positive::preset(1.0), Positive::preset(15.0)]);
     /// Task: sum of the finger forces at the start, N.
     TASK_START: Positive = Positive::preset(4.0);
-    /// Task: steps of an episode.
+    /// Task: number of steps of an episode.
     TASK_STEPS: Count<1, 10000> = Count::preset(30);
-    /// Task: steps in which the support is withdrawn.
+    /// Task: number of steps in which the support is withdrawn.
     TASK_LIFT: Count<1, 10000> = Count::preset(5);
-    /// Task: distance over the pads at which the object counts as lost, m.
+    /// Task: accumulated slip on the pads above which the object counts as lost, m.
     TASK_SLIP_LIMIT: Length = Length::preset(2e-3);
-    /// Task: gels and frictions prepared per object.
+    /// Task: number of pairs of Young's modulus and friction prepared per object.
     TASK_VARIANTS: Count<1, 1000> = Count::preset(1);
-    /// Task: shift of the hand, m.
+    /// Task: largest displacement of the hand, m.
     TASK_SHIFT: Depth = Depth::preset(0.0);
-    /// Task: turn of the hand, degrees.
+    /// Task: largest rotation of the hand, degrees.
     TASK_TURN: NonNegative = NonNegative::preset(0.0);
 
     /// Markers: number along the long side of the pad.
     MARKER_ROWS: Count<1, 512> = Count::preset(9);
-    /// Markers: number along its short side.
+    /// Markers: number along the short side of the pad.
     MARKER_COLS: Count<1, 512> = Count::preset(7);
-    /// Markers: pixel of the camera on the face, m: that of a GelSight Mini at 320 x 240.
+    /// Markers: size of a camera pixel on the face, m: that of a GelSight Mini at 320 x 240.
     MARKER_PIXEL: Length = Length::preset(63.4e-6);
 
-    /// FEM: constant dilatation within each element (no volumetric locking).
+    /// FEM: mean dilatation within each element (no volumetric locking).
     MEAN_DILATATION: bool = true;
-    /// FEM: residual force over the loading's force at which an increment counts as solved.
+    /// FEM: residual force over the force of the loading at which an increment counts as converged.
     FORCE_TOLERANCE: Positive = Positive::preset(2e-4);
-    /// FEM: error of the increments over the displacement.
+    /// FEM: tolerance of the path error, over the displacement.
     PATH: Positive = Positive::preset(0.01);
-    /// Condensed FEM: relative change of the displacement that one more correction may cause.
+    /// Condensed FEM: relative change of the displacement by one more correction with the full pad model.
     CONDENSED_ERROR: Positive = Positive::preset(0.01);
     /// FEM: largest number of Newton iterations before an increment is halved.
     MAX_ITERATIONS: Count<1, 10000> = Count::preset(40);

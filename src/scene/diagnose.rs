@@ -1,4 +1,4 @@
-//! Messages for a parser's errors, with a place and a way out.
+//! Messages for parser errors, with position and remedy.
 
 use super::outline::{Outline, OutlineEntry};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
@@ -10,37 +10,37 @@ use std::path::Path;
 /// One error in a scene file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Diagnosis {
-    /// Message that says what is wrong.
+    /// Error message.
     pub message: String,
-    /// Byte range of the error in the text.
+    /// Position of the error in the text, byte range.
     pub span: Range<usize>,
     /// Help: the allowed values or the remedy.
     pub help: Option<String>,
 }
 
-/// Fields of former versions, and what stands for them now.
+/// Fields of former versions, and their replacements.
 const FORMER: [(&str, &str); 1] = [(
     "attach_distance",
     "of version 0.1; now the rule `bonded`: write `bonded: Plane(within: ...)` with the same distance",
 )];
 
-/// Longest message, bytes: a word of the scene in it may be as long as the file.
+/// Longest message, bytes: a message may quote a word of the scene, which may be as long as the file.
 const MESSAGE: usize = 1000;
 /// Longest name in a message, bytes.
 const NAME: usize = 60;
 
-/// Returns at most `most` bytes of a text, followed by dots if there are more.
+/// Returns at most `most` bytes of a text, followed by dots if it is longer.
 fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     if text.len() <= most { text.into() } else { format!("{}...", &text[..floor(text, most)]).into() }
 }
 
-/// Returns a name from the scene as a message shows it.
+/// Returns a name from the scene, shortened for a message.
 pub(super) fn clipped(name: &str) -> Cow<'_, str> {
     shortened(name, NAME)
 }
 
 impl Diagnosis {
-    /// Builds a diagnosis from a message whose further lines are the help.
+    /// Creates a diagnosis from a message; its lines after the first are the help.
     pub fn new(message: &str, span: Range<usize>) -> Self {
         let (message, help) = match message.split_once('\n') {
             Some((message, help)) => (message.to_string(), Some(help.to_string())),
@@ -53,7 +53,7 @@ impl Diagnosis {
     pub fn render(&self, path: &Path, text: &str) -> String {
         let start = floor(text, self.span.start);
         let end = floor(text, self.span.end.max(start));
-        // one line is enough to show: an error on a group points at its first line
+        // only one line is shown: an error on a group points at its first line
         let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
         let end = end.min(line_end).max(start);
         let path = path.display().to_string();
@@ -66,12 +66,12 @@ impl Diagnosis {
     }
 }
 
-/// Explains a RON error in the words of the scene file.
+/// Translates a RON error into a message in terms of the scene file.
 pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Diagnosis {
     let start = byte_of(text, error.span.start);
     let end = byte_of(text, error.span.end);
-    // the parser's span runs from its last step to where it stands: a value that was read and refused is the span, a thing that
-    // was expected and not found is at its end
+    // the parser's span extends from its last step to its present position: a refused value is the span, a missing
+    // token is at the end of it
     let refused = start..end;
     let here = end..end + token(text, end).len();
     let found = || match token(text, end) {
@@ -146,7 +146,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
     Diagnosis::new(&message, span)
 }
 
-/// Returns `message` preceded by the path of the field that it is about.
+/// Returns `message` preceded by the path of the field at byte `at`.
 fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
     match outline.path_at(at).as_str() {
@@ -156,15 +156,15 @@ fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     }
 }
 
-/// Returns the message about a field at this byte within parentheses that hold one value, such as `Mesh("a.obj", scale: 2)`; None if there
-/// is no field.
+/// Returns the message for a field at this byte inside parentheses that take a single value, such as
+/// `Mesh("a.obj", scale: 2)`; None if there is no field.
 fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     let field = token(text, at);
     let is_field = !field.is_empty()
         && text[at + field.len()..].trim_start().starts_with(':')
         && text[..at].trim_end().ends_with(['(', ',']);
     let holds = |e: &&OutlineEntry| e.name.as_ref().is_some_and(|name| name.end < at) && e.value.contains(&at);
-    // Entries stand in order of their end: the first that holds the byte is the innermost.
+    // Entries are in order of their end: the first that contains the byte is the innermost.
     let around = outline.entries().iter().find(|e| is_field && holds(e))?;
     let name = &text[around.name.clone()?];
     let path = outline.path(around);
@@ -175,8 +175,8 @@ fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     ))
 }
 
-/// Returns the refused value as a reader sees it. A sign and a quote are steps of their own for the parser and are
-/// included; a group begins at its opening bracket, although the parser stands at the closing one.
+/// Returns the full range of a refused value. A sign and a quote are separate steps of the parser and are included; a
+/// group begins at its opening bracket, although the parser is at the closing one.
 fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
     if text[..span.start].ends_with(['-', '+', '"']) {
         return span.start - 1..span.end;
@@ -196,7 +196,7 @@ fn last_name(text: &str, at: usize) -> Option<Range<usize>> {
     Some(before.len() - name.len()..before.len())
 }
 
-/// Strips the parser's names of types from a found value.
+/// Strips the parser's type names from a found value.
 fn plain(found: &str) -> &str {
     ["the unsigned integer ", "the signed integer ", "the floating point number "]
         .iter()
@@ -204,8 +204,8 @@ fn plain(found: &str) -> &str {
         .unwrap_or(found)
 }
 
-/// Strips the parser's names of types from an expected value: here they only distinguish a number with the suffix of
-/// another type (`1.0f32`).
+/// Strips the parser's type names from an expected value: they only distinguish a number with the suffix of another
+/// type (`1.0f32`).
 fn wanted(expected: &str) -> &str {
     if expected == "a 64-bit floating point number" { "a number without suffix" } else { expected }
 }
@@ -225,10 +225,10 @@ fn allowed(found: &str, expected: &[&str]) -> String {
     format!("{hint}allowed: {}", expected.join(", "))
 }
 
-/// Number of edits (insert, delete, replace) from one name to the other, case ignored.
+/// Returns the Levenshtein distance of two names, case ignored.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b) = (a.to_lowercase(), b.to_lowercase());
-    // names longer than this are no typing slips, and the table stays small
+    // longer names are not typing errors, and the limit keeps the table small
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().collect());
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, ca) in a.iter().enumerate() {
@@ -243,7 +243,7 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// Returns the word, number or sign that starts at this byte, cut after a few dozen characters.
+/// Returns the word, number or sign that starts at this byte, cut to 60 bytes.
 fn token(text: &str, at: usize) -> &str {
     let rest = &text[at.min(text.len())..];
     let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '-' | '+');
@@ -256,7 +256,7 @@ fn token(text: &str, at: usize) -> &str {
     &rest[..floor(rest, length.min(60))]
 }
 
-/// Returns the byte of a position that counts lines and characters from one.
+/// Returns the byte offset of a position (line and column, from 1).
 fn byte_of(text: &str, position: Position) -> usize {
     let mut start = 0;
     for _ in 1..position.line {

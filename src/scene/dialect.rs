@@ -1,4 +1,4 @@
-//! The RON dialect of scene files, and complete scenes as text and back.
+//! RON dialect of scene files; serialisation and deserialisation of complete scenes.
 
 use super::check;
 use super::objects::Name;
@@ -7,18 +7,18 @@ use crate::error::{Error, Result};
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
-/// Returns the RON dialect of scene files, for reading and writing: `Some` is implied, `Sphere(radius: 1)` needs no
-/// double parentheses.
+/// Returns the RON dialect of scene files, for reading and writing: `Some` is implicit, and newtype variants such as
+/// `Sphere(radius: 1)` need no double parentheses.
 pub fn options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-/// Returns the scene as a RON text that loads as the same scene, with all defaults written out.
+/// Returns the scene as RON text with all defaults written out; it loads as the same scene.
 ///
 /// # Errors
-/// Fails if the scene cannot be written as RON.
+/// Fails if the scene cannot be serialised.
 pub fn to_ron(scene: &Scene) -> Result<String> {
     let pretty = ron::ser::PrettyConfig::new().indentor("    ").compact_arrays(true);
     options()
@@ -27,7 +27,7 @@ pub fn to_ron(scene: &Scene) -> Result<String> {
         .map_err(|e| Error::Scene(format!("error: the scene cannot be written as RON: {e}")))
 }
 
-/// Reads a scene that [`to_ron`] wrote; its paths are kept unchanged.
+/// Reads a scene written by [`to_ron`]; its paths are not resolved.
 ///
 /// # Errors
 /// Fails if the text is not a complete scene.
@@ -35,7 +35,7 @@ pub fn from_ron(text: &str) -> Result<Scene> {
     complete(options().from_str(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
 }
 
-/// Reads the scene of a `run.json`; its paths are kept unchanged.
+/// Reads the scene of a `run.json`; its paths are not resolved.
 ///
 /// # Errors
 /// Fails if the value is not a complete scene.
@@ -51,10 +51,10 @@ fn complete(part: ScenePart) -> Result<Scene> {
     Ok(scenes.swap_remove(0).scene)
 }
 
-/// Checks a complete scene once more, after a change.
+/// Checks a complete scene again after a change.
 ///
 /// # Errors
-/// Fails if a field does not fit the rest.
+/// Fails if a field is inconsistent with the others.
 pub fn recheck(scene: &Scene) -> Result<()> {
     check::check(scene).map_err(|p| Error::Scene(format!("error: {}: {}", p.path, p.message)))
 }

@@ -1,4 +1,4 @@
-//! Short form of values with one main path: `File("a.h5")` is `File(path: "a.h5")`.
+//! Short form of values with one main path: `File("a.h5")` stands for `File(path: "a.h5")`.
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
@@ -7,9 +7,9 @@ use std::path::PathBuf;
 
 /// Value that can be read from one path or from its fields.
 pub(super) trait PathOrFields<'de>: Sized {
-    /// Returns the value with this path and all defaults.
+    /// Creates the value with this path and all defaults.
     fn from_path(path: PathBuf) -> Self;
-    /// Reads the value from its fields, as derived.
+    /// Reads the value from its fields with the derived deserialiser.
     fn from_fields<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 

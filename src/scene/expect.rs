@@ -1,41 +1,42 @@
-//! Promises of a scene about its own outcome: `expect` for finite elements, `expect_network` for a network.
+//! Expected results of a scene, checked after each grasp: `expect` for finite elements, `expect_network` for a network.
 
 use super::leaf::{Finite, Length, Positive};
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Promise that is judged on every grasp of the scene.
+/// Expected result that is checked on every grasp of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Expectation {
-    /// Loading reached: the final force of a squeeze, the final depth of a press.
+    /// The loading is reached: the final force of a squeeze, the final depth of a press.
     ReachesForce,
-    /// Balance of the forces on the object (fingers, weight, support): residual over the force of the loading.
+    /// Force balance of the object (fingers, weight, support): largest residual over the force of the loading.
     ForceBalance(Relative),
-    /// Balance of the torques on the object: residual over force times object size.
+    /// Torque balance of the object: largest residual over the force times the object size.
     TorqueBalance(Relative),
-    /// Finite values of all recorded numbers.
+    /// All recorded numbers are finite.
     Finite,
-    /// Soft elements without inversion in every frame.
+    /// No element of the pads is inverted in any frame.
     NoInversion,
-    /// Pads and object without overlap in every frame, down to the offset of the contact law, below which nothing is resolved.
+    /// Pads and object do not overlap in any frame by more than the contact offset, the resolution of the contact law.
     NoPenetration,
-    /// Depth of the overlap of pads and object at the worst point of any frame, m: a coarse pad is known to sink in
-    /// between its points.
+    /// Largest penetration of pads and object in any frame, m. With coarse pads, the object penetrates between the
+    /// contact samples.
     Penetration(Bounds),
-    /// Balance of the forces on the gel in every frame: residual over the force of a finger. Quasi-static scenes only.
+    /// Force balance of the gel in every frame: largest residual over the force of a finger. Quasi-static scenes only.
     Converged(Relative),
     /// Travel of each finger after contact at the last frame, m.
     Travel(Bounds),
     /// Sum over the fingers of |normal force| at the last frame, N.
     Force(Bounds),
-    /// Force at a travel after contact, interpolated between frames.
+    /// Force at a given travel after contact, interpolated between frames.
     ForceAt(ForceAt),
-    /// Largest von Mises stress of the last frame, Pa.
+    /// Largest von Mises stress at the last frame, Pa.
     MaxStress(Bounds),
-    /// Dynamic: largest displacement of any point of the object relative to what holds it. That is the hand from the end
-    /// of the first squeeze on or, without fingers, the world.
+    /// Dynamic: largest displacement (upper bound) of any point of the object in any frame, relative to the hand from
+    /// the end of the first squeeze on or, without fingers, relative to the world.
     ObjectHeld(Slip),
-    /// Dynamic: displacement of the object at the last frame, m, relative to the same reference as in `ObjectHeld`.
+    /// Dynamic: largest displacement (upper bound) of any point of the object at the last frame, m, relative to the
+    /// same frame of reference as in `ObjectHeld`.
     ObjectSlides(Bounds),
     /// Dynamic: position of the object's centre of mass in the world at the last frame.
     ObjectAt(Place),
@@ -43,16 +44,15 @@ pub enum Expectation {
     ObjectSpeed(Bounds),
     /// Dynamic: normal force of the ground on the object at the last frame, N.
     GroundForce(Bounds),
-    /// Dynamic: largest torque of the pads about the closing direction in any frame, N m.
+    /// Dynamic: largest total torque of the pads about the closing direction in any frame, N m.
     Torque(Bounds),
-    /// Dynamic: conservation of the linear and angular momentum of the object: largest change over the value at the
-    /// start.
+    /// Dynamic: conservation of the linear and angular momentum of the object: largest change over the initial value.
     MomentumKept(Relative),
-    /// Loss of the object from the grasp, for a reason that contains this text.
+    /// The object is dropped, for a reason that contains this text.
     Dropped(Reason),
-    /// Failure of the solver, or an unsound result, for a reason that contains this text.
+    /// The solver fails or its result is invalid, for a reason that contains this text.
     Fault(Reason),
-    /// Refusal of the start, for a reason that contains this text.
+    /// The grasp cannot start, for a reason that contains this text.
     Infeasible(Reason),
 }
 
@@ -68,9 +68,9 @@ pub struct Relative {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
-    /// Smallest allowed value.
+    /// Lower bound.
     pub at_least: Option<Finite>,
-    /// Largest allowed value.
+    /// Upper bound.
     pub at_most: Option<Finite>,
 }
 
@@ -90,7 +90,7 @@ pub struct ForceAt {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slip {
-    /// Largest allowed motion of any point of the object, m.
+    /// Largest allowed displacement of any point of the object, m.
     pub slip_at_most: Length,
 }
 
@@ -104,7 +104,7 @@ pub struct Place {
     pub within: Length,
 }
 
-/// Part of a reason; an empty text matches any reason.
+/// Substring of a reason; an empty text matches any reason.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reason {
@@ -113,7 +113,7 @@ pub struct Reason {
 }
 
 impl Expectation {
-    /// Returns the name of the promise, as in the scene file.
+    /// Returns the name of the expectation, as in the scene file.
     pub fn name(&self) -> &'static str {
         match self {
             Expectation::ReachesForce => "ReachesForce",
@@ -141,17 +141,17 @@ impl Expectation {
         }
     }
 
-    /// Returns true if the [`crate::judge::audit`] judges the promise.
+    /// Returns true if [`crate::judge::audit`] checks the expectation.
     pub fn audited(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))
     }
 
-    /// Returns true if a network keeps the promise by construction, whatever it has learnt. A network answers at the requested force. Its
-    /// contact forces are brought into balance with the load on the object, as are their torques except for the twist about the closing
-    /// direction. Numbers that are not finite are refused. The deformation of the pads, the depth at which they meet the object and the
-    /// inversion of gel elements are only learnt, to within its error; a scene that makes promises about these for a network states the
-    /// bounds in `expect_network`.
+    /// Returns true if a network meets the expectation by construction, independent of its training. A network answers
+    /// at the requested force. Its contact forces are corrected so that they balance the load on the object, as do
+    /// their torques except for the torque about the closing direction. Results that are not finite are refused. The
+    /// deformation of the pads, the penetration and the inversion of gel elements are only learned, to within the error
+    /// of the network; a scene with such expectations for a network gives their bounds in `expect_network`.
     pub fn by_network(&self) -> bool {
         use Expectation::*;
         matches!(self, ReachesForce | ForceBalance(_) | Finite | Force(_) | Fault(_) | Infeasible(_))
@@ -171,7 +171,7 @@ impl Expectation {
         }
     }
 
-    /// Returns true if only a dynamic scene can be judged by this promise.
+    /// Returns true if the expectation requires a dynamic scene.
     pub fn is_dynamic(&self) -> bool {
         use Expectation::*;
         matches!(

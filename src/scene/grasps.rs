@@ -1,4 +1,4 @@
-//! Poses of the hand relative to the object.
+//! Grasps: poses of the hand relative to the object.
 
 use super::convention::Convention;
 use super::defaults;
@@ -10,15 +10,15 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::PathBuf;
 
-/// Grasps of a scene. A pose is that of the hand in the object frame: `x_object = R(rotation) x_hand + position`.
+/// Grasps of a scene. A pose is the pose of the hand in the object frame: `x_object = R(rotation) x_hand + position`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum Grasps {
-    /// One grasp: hand axes parallel to the object's axes, the object's origin midway between the pads.
+    /// One grasp: hand axes parallel to the object axes, the object's origin midway between the pads.
     #[default]
     Identity,
     /// Poses given in the scene.
     List(Vec<Pose>),
-    /// Poses from an HDF5 file such as `*_grasps.h5`: positions and quaternions, or matrices.
+    /// Poses from an HDF5 file such as `*_grasps.h5`: positions and quaternions, or 4 x 4 matrices.
     File(GraspFile),
     /// Grasps sampled from the object's surface.
     Antipodal(Antipodal),
@@ -31,9 +31,9 @@ pub struct Pose {
     /// Origin of the hand in the object frame, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<Vec3>,
-    /// Point midway between the pads in the object frame, m, about which `rotation` turns the hand: `position = centre - R(rotation) c`, with
-    /// the point `c` midway between the pads in the hand frame, `(0, y, z)` of the gripper's `placement`. `(0, 0, 0)` puts the origin of the
-    /// object between the pads.
+    /// Point midway between the pads in the object frame, m, about which `rotation` rotates the hand:
+    /// `position = centre - R(rotation) c`, with `c` the point midway between the pads in the hand frame, `(0, y, z)`
+    /// of the gripper's `placement`. `(0, 0, 0)` places the origin of the object midway between the pads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub centre: Option<Vec3>,
     /// Rotation from the hand frame to the object frame.
@@ -53,16 +53,16 @@ pub struct Antipodal {
     /// Seed of the sampling; the same seed gives the same grasps.
     #[serde(default)]
     pub seed: u64,
-    /// Largest angle between the closing axis and the surface normals at its two ends, degrees; never more than the angle
-    /// of the friction cone.
+    /// Largest angle between the closing axis and the surface normals at the two contacts, degrees; limited to the
+    /// angle of the friction cone.
     #[serde(default = "defaults::tilt")]
     pub tilt_deg: Positive,
 }
 
-/// Grasps from a file; `File("x_grasps.h5")` takes all of them, as DefGraspSim writes them.
+/// Grasps from a file; `File("x_grasps.h5")` takes all grasps of a file in the format of DefGraspSim.
 ///
-/// The dataset has a row [px, py, pz, qw, qx, qy, qz] per grasp, (N, 7), or a matrix [R p; 0 1], (N, 4, 4): the pose of the
-/// file's hand frame in the object frame, m.
+/// The dataset has, for each grasp, a row [px, py, pz, qw, qx, qy, qz] (shape (N, 7)) or a matrix [R p; 0 1] (shape (N,
+/// 4, 4)): the pose of the file's hand frame in the object frame, m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "File", remote = "Self", deny_unknown_fields)]
 pub struct GraspFile {
@@ -71,16 +71,16 @@ pub struct GraspFile {
     /// Name of the dataset in the file; None is `poses`.
     #[serde(default)]
     pub dataset: Option<String>,
-    /// Convention of the numbers; the default is that of DefGraspSim.
+    /// Convention of the poses; the default is that of DefGraspSim.
     #[serde(default)]
     pub convention: Convention,
-    /// Selection of grasps by row, counted from 0; None is all.
+    /// Selection of grasps by row, counted from 0; None selects all.
     #[serde(default)]
     pub select: Option<Select>,
 }
 
 impl GraspFile {
-    /// Selects all grasps of a file as DefGraspSim writes it.
+    /// Selects all grasps of a file in the format of DefGraspSim.
     pub fn new(path: PathBuf) -> Self {
         Self { path, dataset: None, convention: Convention::default(), select: None }
     }
@@ -117,7 +117,7 @@ pub enum Select {
 }
 
 impl Select {
-    /// Returns the chosen rows.
+    /// Returns the selected rows.
     pub fn rows(&self) -> Vec<usize> {
         match self {
             Select::Rows(rows) => rows.clone(),
@@ -126,7 +126,8 @@ impl Select {
     }
 }
 
-/// Row that a selection may name: its limit is far above any file, and low enough that a range cannot exhaust memory.
+/// Row index in a selection. The limit is far above the number of rows of any file, and low enough that a range cannot
+/// exhaust memory.
 type Row = Count<0, 10000000>;
 
 #[derive(Serialize)]

@@ -15,27 +15,29 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gripper {
-    /// Soft pads, the same on both fingers unless `right` says otherwise.
+    /// Soft pads, the same on both fingers unless `right` is given.
     pub pads: Pads,
     /// Material of the pads.
     pub material: MaterialChoice,
-    /// Distance between the two sensing faces when open, m.
+    /// Distance between the two sensing faces of the open gripper, m.
     pub opening: Length,
-    /// Largest travel of each finger, m. It may be less than half the opening; the pads then never meet.
+    /// Largest travel of each finger, m. If it is less than half the opening, the pads never meet.
     pub stroke: Length,
     /// Coefficient of Coulomb friction between pad and object; zero is frictionless.
     pub friction: NonNegative,
-    /// Pad, material and friction of the right finger, where they differ from those above, which are then of the left one.
+    /// Pad, material and friction of the right finger where they differ from the above, which then apply to the left
+    /// finger.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right: Option<RightFinger>,
     /// Position of the pads in the hand frame.
     pub placement: Placement,
-    /// Choice of the fingers that carry a pad and move.
+    /// Fingers that carry a pad and move.
     pub fingers: Fingers,
-    /// Description of the robot that the pads are mounted on, in place of opening, stroke and placement; a scene that is loaded has its numbers.
+    /// Robot description (URDF or MJCF) that replaces opening, stroke and placement, and pads and material if it has
+    /// soft pads; a loaded scene holds the resulting values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<Robot>,
-    /// Sentence about what was taken for exact in the description of the robot.
+    /// Notice about deviations of the robot description from a parallel gripper that were neglected.
     #[serde(skip)]
     pub notice: RobotNotice,
 }
@@ -57,7 +59,7 @@ impl Default for Gripper {
     }
 }
 
-/// Description of a robot with a parallel gripper, URDF or MJCF, of which links and their joints are read. Grasps are those of its
+/// Description of a robot with a parallel gripper, URDF or MJCF; its links and joints are read. Grasps are poses of its
 /// hand: `grasps: File(path: "...", convention: (closing: Y, approach: Z))` reads poses in the axes of a Franka hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -66,15 +68,15 @@ pub struct Robot {
     pub path: PathBuf,
     /// Name of the link that is the base of the hand.
     pub hand: String,
-    /// Names of the links, or of the sites, whose origins are the centres of the two sensing faces, left first; `site:NAME` and `body:NAME` tell
-    /// a site and a body of one name apart.
+    /// Names of the links or sites whose origins are the centres of the two sensing faces, left first; `site:NAME` and
+    /// `body:NAME` distinguish a site and a body with the same name.
     pub pads: (String, String),
-    /// Axis of the hand's link along which the hand approaches the object.
+    /// Axis of the hand link along which the hand approaches the object.
     #[serde(default = "defaults::approach")]
     pub approach: HandAxis,
 }
 
-/// Sentence about the description of a robot, which no scene file gives: it does not tell scenes apart.
+/// Notice about the robot description. It is not part of the scene file, so that all notices compare equal.
 #[derive(Debug, Clone, Default)]
 pub struct RobotNotice(pub Option<String>);
 
@@ -84,7 +86,7 @@ impl PartialEq for RobotNotice {
     }
 }
 
-/// Right finger of a gripper whose two pads differ; what is left out is as on the left.
+/// Right finger of a gripper with two different pads; omitted fields are as on the left.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RightFinger {
@@ -100,7 +102,7 @@ pub struct RightFinger {
 }
 
 impl Gripper {
-    /// Returns the gripper whose fingers are both like finger `side` of this one (0 left, 1 right).
+    /// Returns the gripper with both fingers like finger `side` of this one (0 left, 1 right).
     pub fn like(&self, side: usize) -> Self {
         let mut gripper = Self { right: None, ..self.clone() };
         if let (Some(right), 1) = (&self.right, side) {
@@ -116,7 +118,7 @@ impl Gripper {
         self.right.is_none() || self.like(0) == self.like(1)
     }
 
-    /// Refuses fingers that differ for `what` (a noun with its article), which knows them alike only.
+    /// Refuses fingers that differ, for `what` (a noun with its article), which supports only equal fingers.
     ///
     /// # Errors
     /// Fails if they differ.
@@ -125,10 +127,10 @@ impl Gripper {
         if self.alike() { Ok(()) } else { Err(refused().about("gripper.right")) }
     }
 
-    /// Takes opening, stroke and placement of the pads from what the description of its robot says, and soft pads, if it has them.
+    /// Takes opening, stroke and placement from the robot description, and its soft pads if it has any.
     ///
     /// # Errors
-    /// Fails if a number is none that the scene could give.
+    /// Fails if a number is outside the range allowed in a scene.
     pub(super) fn take_over(&mut self, Mounted { mount, soft, notice }: Mounted) -> Result<(), String> {
         self.notice = RobotNotice(notice);
         (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
@@ -148,7 +150,7 @@ impl Gripper {
     }
 }
 
-/// Centre of the pads' sensing faces in the hand frame (x follows from the opening).
+/// Centre of the sensing faces in the hand frame (x is half the opening).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
@@ -171,14 +173,14 @@ impl Default for Placement {
     }
 }
 
-/// Choice of the fingers that carry a pad and move.
+/// Fingers that carry a pad and move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Fingers {
-    /// Two pads, at -x and +x, closing on each other.
+    /// Two pads, at -x and +x, that close towards each other.
     #[default]
     Both,
-    /// One pad only, at -x and moving along +x: press tests on a fixed object.
+    /// One pad, at -x, that moves along +x: press tests on a fixed object.
     One,
-    /// No pad at all: a dynamic scene of the object alone.
+    /// No pad: a dynamic scene of the object alone.
     None,
 }

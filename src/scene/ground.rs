@@ -1,11 +1,11 @@
-//! Support on which the object may rest.
+//! Rigid support of the object.
 
 use super::defaults;
 use super::leaf::{Finite, NonNegative};
 use super::vector::Direction;
 use serde::{Deserialize, Serialize};
 
-/// Fixed, rigid support of the object; the pads do not feel it.
+/// Fixed, rigid support of the object; the pads have no contact with it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Ground {
     /// Plane.
@@ -16,9 +16,9 @@ pub enum Ground {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plane {
-    /// Height along the normal from the world's origin, m; None places the plane right below the object.
+    /// Height along the normal above the origin of the world, m; None places the plane directly below the object.
     pub height: Option<Finite>,
-    /// Direction out of the ground, of any length.
+    /// Outward normal of the ground; any nonzero length.
     pub normal: Direction,
     /// Coefficient of Coulomb friction between ground and object; zero is frictionless.
     pub friction: NonNegative,

@@ -1,4 +1,4 @@
-//! A scene file with the files that it includes, each field from the last file that gives it.
+//! Reads a scene file with its includes; each field is taken from the last file that gives it.
 
 use super::diagnose::{Diagnosis, explain};
 use super::dialect::options;
@@ -20,7 +20,7 @@ pub(super) struct Loader {
 }
 
 impl Loader {
-    /// Reads the file with all that it includes. `chain` holds the files being read, outermost first.
+    /// Reads the file with all its includes. `chain` holds the files being read, outermost first.
     pub(super) fn tree(
         &mut self,
         path: &Path,
@@ -64,7 +64,7 @@ impl Loader {
     }
 }
 
-/// Reads one file, not its includes.
+/// Reads one file without its includes.
 fn read_part(source: &SceneText) -> Result<ScenePart> {
     let outline = Outline::of(&source.text);
     if outline.is_empty() {
@@ -82,7 +82,7 @@ fn read_part(source: &SceneText) -> Result<ScenePart> {
     Ok(part)
 }
 
-/// Returns the folder of a file; the working folder for standard input.
+/// Returns the folder of a file; the working directory for standard input.
 pub(super) fn folder(path: &Path) -> PathBuf {
     path.parent().filter(|_| !source::is_stream(path)).map(Path::to_path_buf).unwrap_or_default()
 }

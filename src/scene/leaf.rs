@@ -1,20 +1,20 @@
-//! Numbers that check themselves while they are read.
+//! Number types that validate their value during deserialisation.
 //!
-//! RON reports the parser's position when a value is refused. A check inside the leaf therefore points at the number
-//! itself, while a check on the whole struct could only point at its closing parenthesis. A refusal is one message; the
-//! lines after the first become the `help:` of the printed error.
+//! RON reports the parser's position when a value is refused. A check inside the leaf type therefore points at the
+//! number itself; a check of the whole struct could only point at its closing parenthesis. The first line of a refusal
+//! is the message; the others become the `help:` of the printed error.
 
 use crate::number::shown;
 use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
 
-/// Largest length that a scene may name, m: a gripper scene measured in metres never needs more.
+/// Largest length allowed in a scene, m: a gripper scene in metres never needs more.
 pub const LENGTH_LIMIT: f64 = 2.0;
-/// Smallest side of a pad, m: far below any gel. Steps towards an object go by the size of the pad.
+/// Smallest side of a pad, m: far below any real gel. Step sizes towards an object scale with the size of the pad.
 pub const PAD_FLOOR: f64 = 1e-5;
-/// Smallest stiffness that a scene may name, Pa: a smaller number was almost surely meant in MPa.
+/// Smallest stiffness allowed in a scene, Pa: a smaller number was most likely meant in MPa.
 pub const MODULUS_FLOOR: f64 = 1.0;
-/// Longest time that a scene may name, s.
+/// Longest time allowed in a scene, s.
 pub const TIME_LIMIT: f64 = 1000.0;
 /// Largest ratio of cell sizes within a pad.
 pub const RATIO_LIMIT: f64 = 20.0;
@@ -29,7 +29,7 @@ macro_rules! number {
             /// Returns the value if it is allowed.
             ///
             /// # Errors
-            /// Fails if the value is not allowed, with the message that a scene file would get.
+            /// Fails if the value is not allowed, with the message for a scene file.
             pub fn new(value: f64) -> Result<Self, String> {
                 finite(value)?;
                 $check(value).map(|()| Self(value))
@@ -38,7 +38,7 @@ macro_rules! number {
             pub const fn get(self) -> f64 {
                 self.0
             }
-            /// Returns a default known to be allowed; a test checks every one of them.
+            /// Creates a default without a check; a test checks all defaults.
             #[allow(dead_code)]
             pub(crate) const fn preset(value: f64) -> Self {
                 Self(value)
@@ -60,15 +60,15 @@ macro_rules! number {
 }
 
 number! {
-    /// Number other than `inf` and `NaN` (both of which RON would read).
+    /// Finite number (RON itself also reads `inf` and `NaN`).
     Finite, anything
 }
 number! {
-    /// Number above zero.
+    /// Finite number above zero.
     Positive, positive
 }
 number! {
-    /// Number from zero upwards.
+    /// Finite number, zero or above.
     NonNegative, non_negative
 }
 number! {
@@ -183,7 +183,7 @@ impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
     /// Returns the value if it is allowed.
     ///
     /// # Errors
-    /// Fails if the value is not allowed, with the message that a scene file would get.
+    /// Fails if the value is not allowed, with the message for a scene file.
     pub fn new(value: u64) -> Result<Self, String> {
         if (MIN..=MAX).contains(&value) {
             return Ok(Self(value));
@@ -194,7 +194,7 @@ impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
     pub const fn get(self) -> usize {
         self.0 as usize
     }
-    /// Returns a default known to be allowed; a test checks every one of them.
+    /// Creates a default without a check; a test checks all defaults.
     pub(crate) const fn preset(value: u64) -> Self {
         Self(value)
     }
@@ -208,7 +208,8 @@ impl<const MIN: u64, const MAX: u64> Serialize for Count<MIN, MAX> {
 
 impl<'de, const MIN: u64, const MAX: u64> Deserialize<'de> for Count<MIN, MAX> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        // `deserialize_any` so that 2.5 and -3 come as numbers to be named, not as a comma or digit error
+        // `deserialize_any` passes 2.5 and -3 to the visitor as numbers, so that the message can quote them; otherwise
+        // the parser reports an unexpected comma or digit.
         deserializer.deserialize_any(CountVisitor::<MIN, MAX>)
     }
 }

@@ -1,13 +1,13 @@
-//! Checks on the text of a scene, for errors that RON accepts and tactus does not.
+//! Checks of the text of a scene for errors that the RON parser accepts.
 
 use super::diagnose::Diagnosis;
 use super::outline::{Outline, OutlineEntry};
 
-/// Returns the first refusal as an error.
+/// Returns the first problem as an error.
 pub(super) fn lint(text: &str, outline: &Outline) -> Result<(), Diagnosis> {
     let entries = outline.entries();
     entries.iter().enumerate().try_for_each(|(i, entry)| match outline.field(entry) {
-        // entries stand in order of their end, so what closes just before an entry is its last inner value
+        // entries are in order of their end, so the entry that ends just before is the last inner value
         Some("rotation") => rotation(text, outline, entry, entries[..i].last()),
         Some("select") => select(text, outline, entry),
         _ => Ok(()),
@@ -37,7 +37,7 @@ fn rotation(
     Err(Diagnosis::new(&format!("{}: {what}\n{help}", outline.path(entry)), at))
 }
 
-/// Checks the range of a selection: RON reads `0..=9` and `0..9` as the same two numbers.
+/// Checks the range of a selection: RON reads `0..=9` and `0..9` as the same pair of numbers.
 fn select(text: &str, outline: &Outline, entry: &OutlineEntry) -> Result<(), Diagnosis> {
     if text[entry.value.clone()].contains("..=") {
         let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", outline.path(entry));

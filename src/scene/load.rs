@@ -1,4 +1,4 @@
-//! Reads a scene file with its includes: `path -> Scene`, or one error that shows the line and says what is allowed.
+//! Loads a scene file with its includes: `path -> Scene`, or one error that shows the line and the allowed values.
 
 use super::check;
 use super::diagnose::{Diagnosis, clipped};
@@ -11,10 +11,10 @@ use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Scene with the files that it came from.
+/// Scene with the files from which it was loaded.
 #[derive(Debug, Clone)]
 pub struct Loaded {
-    /// Complete scene; its paths are valid from the current directory.
+    /// Complete scene; its paths are relative to the current directory.
     pub scene: Scene,
     /// Path of the scene file.
     pub path: PathBuf,
@@ -27,15 +27,15 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Turns an error about a field of the scene into one that shows the place of the field; returns other errors
+    /// Converts an error about a field of the scene into one that shows the position of the field; returns other errors
     /// unchanged.
     pub fn place(&self, error: Error) -> Error {
         self.places.place(error, None)
     }
 }
 
-/// Turns an error about a field of a scene whose `text` the file at `path` holds into one that shows the place of the field; returns other
-/// errors unchanged.
+/// Converts an error about a field of the scene with this `text`, from the file at `path`, into one that shows the
+/// position of the field; returns other errors unchanged.
 pub fn place_in(path: &Path, text: &str, error: Error) -> Error {
     let sources = vec![SceneText { path: path.to_path_buf(), text: text.into() }];
     FieldPlaces { sources, origins: Origins::new(), listed: Vec::new() }.place(error, None)
@@ -44,11 +44,11 @@ pub fn place_in(path: &Path, text: &str, error: Error) -> Error {
 /// All scenes of a file, one per object.
 #[derive(Debug, Clone)]
 pub struct LoadedSet {
-    /// Scenes in the order of the file, at least one. Their paths are valid from the current directory.
+    /// Scenes in the order of the file, at least one. Their paths are relative to the current directory.
     pub scenes: Vec<NamedScene>,
-    /// Division of the poses into training and test.
+    /// Division of the grasps into training and test sets.
     pub split: Split,
-    /// Flag: the objects were drawn; one without grasps is left out of a data set.
+    /// Flag: the objects were drawn at random; an object without grasps is then omitted from a data set.
     pub drawn: bool,
     /// Path of the scene file.
     pub path: PathBuf,
@@ -61,13 +61,12 @@ pub struct LoadedSet {
 /// Loads a scene file of one object.
 ///
 /// # Errors
-/// Returns an error ready to print if a file cannot be read, a value is refused or the file has several
-/// objects.
+/// Returns an error ready to print if a file cannot be read, a value is refused or the file has several objects.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
     load_object(path, None)
 }
 
-/// Loads the scene of one object from a scene file; None stands for the only object.
+/// Loads the scene of one object from a scene file; None selects the only object.
 ///
 /// # Errors
 /// Returns an error ready to print if a file cannot be read, a value is refused, no object has this name, or
@@ -83,7 +82,7 @@ pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loade
 }
 
 impl LoadedSet {
-    /// Keeps the object of this name; None keeps all.
+    /// Keeps only the object of this name; None keeps all.
     ///
     /// # Errors
     /// Fails if no object has this name.
@@ -100,13 +99,13 @@ impl LoadedSet {
         }
     }
 
-    /// Turns an error about a field of the scene of the object `name` into one that shows the place of the field; returns other errors
-    /// unchanged.
+    /// Converts an error about a field of the scene of the object `name` into one that shows the position of the field;
+    /// returns other errors unchanged.
     pub fn place(&self, error: Error, name: &Name) -> Error {
         self.places.place(error, Some(name))
     }
 
-    /// Checks that the pads of every scene are alike, as `what` needs.
+    /// Checks that both pads of every scene are equal, as `what` requires.
     ///
     /// # Errors
     /// Fails at the field of a pad that differs.
@@ -115,7 +114,7 @@ impl LoadedSet {
         self.scenes.iter().try_for_each(alike)
     }
 
-    /// Returns the names of the objects for a message, at most the first 20.
+    /// Returns the names of the first 20 objects for a message.
     fn names(&self) -> String {
         const SHOWN: usize = 20;
         let mut names: Vec<_> = self.scenes.iter().take(SHOWN).map(|s| s.name.as_str()).collect();
@@ -139,10 +138,10 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
     load_seeded(path, None)
 }
 
-/// Loads all scenes of a file, one per object; a universe is drawn with `seed` if that is given.
+/// Loads all scenes of a file, one per object; if `seed` is given, it replaces the seed of the universe.
 ///
 /// # Errors
-/// Fails as [`load_set`] does, and for a seed of a scene that draws nothing.
+/// Fails as [`load_set`] does, and if a seed is given for a scene without a universe.
 pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();

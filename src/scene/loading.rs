@@ -6,12 +6,12 @@ use super::leaf::{Count, Length, Positive};
 use super::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Recorded phase of a grasp.
+/// Loading of a grasp, during which frames are recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Loading {
-    /// Squeezing force raised from contact to `force`; frames are recorded at equal steps of force.
+    /// Squeezing force raised from contact to `force`; frames are recorded at equal force steps.
     Squeeze(Squeeze),
-    /// Pads moved by given travels after contact: tests on a fixed object.
+    /// Pads moved by given distances after contact: tests on a fixed object.
     Press(Press),
     /// Motion of the hand in time, with inertia.
     Dynamic(Dynamic),
@@ -24,33 +24,36 @@ pub struct Squeeze {
     /// Final force, N: the SUM over the fingers of |normal force|, the convention of DefGraspSim. With two fingers each
     /// pad carries half of it (15 N is 7.5 N per pad); with `fingers: One` the single pad carries all of it.
     pub force: Positive,
-    /// Force of the first frame, N; equal steps lead from there to `force`.
+    /// Force of the first frame, N; the frames are at equal force steps from there to `force`. None is one step of
+    /// `frames` equal steps from zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Positive>,
-    /// Force at which a free object is released, N: until then it is held in place, and its support carries its weight. At most `force`.
-    /// The default is the force that turns single points of contact into patches; for an object with weight it is at least half of
-    /// `force`.
+    /// Force at which a free object is released, N: below it, the object is held in place and a support carries its
+    /// weight. At most `force`. The default is the force at which the contact on each pad has grown from points to a
+    /// patch (0.02 E t^2 per finger, with Young's modulus E and pad thickness t); for an object with weight, it is at
+    /// least half of `force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<Positive>,
-    /// Number of recorded frames: frame k of n is at `force * k / n`, k = 1..=n, without `from`.
+    /// Number of recorded frames: without `from`, frame k of n is at `force * k / n`, k = 1..=n.
     #[serde(default = "defaults::frames")]
     pub frames: Count<1, 10000>,
-    /// Push on a free object that follows at the full `force`, in frames of its own.
+    /// Push applied to a free object after the squeeze, at the full `force`, in additional frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub push: Option<ObjectPush>,
 }
 
-/// Push on a squeezed object: it rises in equal steps, frame k of n is at the part k / n.
+/// Push on a squeezed object, raised in equal steps: frame k of n has the fraction k / n of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Push", deny_unknown_fields)]
 pub struct ObjectPush {
     /// Force on the object's centre of mass, N, hand frame.
     #[serde(default = "defaults::push")]
     pub force: Vec3,
-    /// Torque on the object, N m, hand frame: a pair of opposite forces on points that move with the object.
+    /// Torque on the object, N m, hand frame, applied as couples of forces of fixed direction at points that move with
+    /// the object.
     #[serde(default = "defaults::push")]
     pub torque: Vec3,
-    /// Number of recorded frames, after those of the squeeze.
+    /// Number of recorded frames of the push, after those of the squeeze.
     #[serde(default = "defaults::push_frames")]
     pub frames: Count<1, 10000>,
 }
@@ -59,7 +62,7 @@ pub struct ObjectPush {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Press {
-    /// Final travel of each finger after its pad's first contact, m.
+    /// Final travel of each finger after first contact of its pad, m.
     #[serde(default)]
     pub depth: Option<Length>,
     /// Number of recorded frames up to `depth`, at equal steps; [`defaults::FRAMES`] if not given.
@@ -71,7 +74,8 @@ pub struct Press {
 }
 
 impl Squeeze {
-    /// Returns the total force at each recorded frame, N; without those of the push, at which it stays the last one.
+    /// Returns the total force at each recorded frame of the squeeze, N; the frames of the push, all at the last force,
+    /// are not included.
     pub fn levels(&self) -> Vec<f64> {
         let (last, n) = (self.force.get(), self.frames.get());
         match self.from.map(Positive::get) {
@@ -85,7 +89,7 @@ impl Squeeze {
 }
 
 impl ObjectPush {
-    /// Returns the part of the push at each of its frames.
+    /// Returns the fraction of the push at each of its frames.
     pub fn parts(&self) -> Vec<f64> {
         steps(1.0, self.frames.get())
     }
@@ -116,7 +120,7 @@ impl Loading {
     /// Sets the final force of a squeeze, the sum over the fingers, N.
     ///
     /// # Errors
-    /// Returns a message for the user if the force is not allowed, or the loading is another one.
+    /// Returns a message for the user if the force is not allowed, or the loading is not a squeeze.
     pub fn set_force(&mut self, force: f64) -> Result<(), String> {
         let force = Positive::new(force).map_err(|m| format!("--force {m}"))?;
         match self {
@@ -126,10 +130,10 @@ impl Loading {
         Ok(())
     }
 
-    /// Sets the number of recorded frames up to the same load.
+    /// Sets the number of recorded frames; the final load is unchanged.
     ///
     /// # Errors
-    /// Returns a message for the user if the number is not allowed or the press is at given `depths`.
+    /// Returns a message for the user if the number is not allowed, or the press has given `depths`.
     pub fn set_frames(&mut self, frames: u64) -> Result<(), String> {
         let frames = Count::new(frames).map_err(|m| format!("--frames {m}"))?;
         match self {
@@ -144,7 +148,7 @@ impl Loading {
     }
 }
 
-/// Returns `n` equal steps up to `last`, which is met exactly.
+/// Returns `n` levels at equal steps up to `last`, which is reached exactly.
 fn steps(last: f64, n: usize) -> Vec<f64> {
     (1..=n).map(|k| if k == n { last } else { last * k as f64 / n as f64 }).collect()
 }

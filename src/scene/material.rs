@@ -16,9 +16,9 @@ pub enum MaterialChoice {
     NeoHookean(Elastic),
     /// Compressible neo-Hookean material, given by C10 = mu / 2 and nu.
     NeoHookeanC10(ElasticC10),
-    /// Corotated linear elasticity, given by E and nu: rotations are exact, strains are small.
+    /// Corotated linear elasticity, given by E and nu: valid for large rotations and small strains.
     Corotational(Elastic),
-    /// Linear elasticity, given by E and nu: rotations and strains are small.
+    /// Linear elasticity, given by E and nu: valid for small rotations and small strains.
     Linear(Elastic),
 }
 
@@ -41,11 +41,11 @@ pub struct Elastic {
     pub density: Positive,
 }
 
-/// Constants of a neo-Hookean solid as indentation tests give them.
+/// Constants of a neo-Hookean solid in the form reported by indentation tests.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElasticC10 {
-    /// Half the shear modulus, Pa.
+    /// C10, half the shear modulus, Pa.
     pub c10: Modulus,
     /// Poisson's ratio nu.
     pub poisson: Poisson,
@@ -57,10 +57,10 @@ pub struct ElasticC10 {
 /// Named material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// `"gelsight_mini"`: neo-Hookean, C10 = 0.0725 MPa (E = 0.435 MPa when incompressible), nu 0.49; identified on the
+    /// `"gelsight_mini"`: neo-Hookean, C10 = 0.0725 MPa (E = 0.435 MPa if incompressible), nu 0.49; identified on the
     /// real sensor by FEATS.
     GelSightMini,
-    /// `"tacgrasp"`: neo-Hookean, E 0.5 MPa, nu 0.4; used by users of the tactile grasp data set.
+    /// `"tacgrasp"`: neo-Hookean, E 0.5 MPa, nu 0.4; in use with the tactile grasp data set.
     TacGrasp,
     /// `"biotac"`: neo-Hookean, E 1.552231 MPa, nu 0.316454.
     BioTac,
@@ -155,7 +155,7 @@ impl MaterialChoice {
 }
 
 impl MaterialChoice {
-    /// Returns a material of the same law and density with other elastic constants: E, Pa, and Poisson's ratio.
+    /// Returns the material with the same law and density and other elastic constants: E, Pa, and Poisson's ratio.
     ///
     /// # Errors
     /// Fails if a constant is not allowed, with the message that a scene file would get.
@@ -175,7 +175,7 @@ impl MaterialChoice {
 }
 
 impl MaterialChoice {
-    /// Returns the gel of a robot's pad: corotated linear elasticity, as Isaac Gym has it.
+    /// Returns the gel of a robot's pad: corotated linear elasticity, as in Isaac Gym.
     pub(super) fn of_robot(pad: &SoftPad) -> Result<Self, String> {
         Ok(MaterialChoice::Corotational(Elastic {
             young: Modulus::new(pad.young)?,

@@ -1,6 +1,7 @@
 //! Scene files: the schema, one file per topic, and the loader.
 //!
-//! `load("scene.ron")` gives a complete [`Scene`]: includes merged, defaults filled in, paths resolved, every value checked.
+//! `load("scene.ron")` returns a complete [`Scene`]: includes merged, defaults filled in, paths resolved, all values
+//! checked.
 //!
 //! ```text
 //! text -> outline (where is what) --+

@@ -6,35 +6,37 @@ use super::vector::{Size, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Rigid object: shape, weight and freedom to move.
+/// Rigid object: shape, density and motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
     /// Shape in the object frame.
     pub shape: ObjectShape,
-    /// Factor on all lengths of the shape. None takes the `object/scale` that the grasp file has, and 1 without one.
+    /// Factor on all lengths of the shape. None takes the `object/scale` of the grasp file, or 1 if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<Positive>,
-    /// Switch for the repair of a surface from a file that does not bound a solid: vertices are welded and holes filled;
-    /// if that is not enough, the winding number of the surface is sampled anew.
+    /// Flag: a surface from a file that does not bound a solid is repaired. Vertices are welded and holes filled; if
+    /// that does not suffice, the surface is rebuilt as the isosurface 1/2 of its generalised winding number, sampled
+    /// on a grid.
     #[serde(default)]
     pub repair: bool,
-    /// Surface that the pads feel of an object that is a mesh. None rounds the facets of a mesh file, with twice the distance of the points of
-    /// a pad as the radius, unless flat faces meet at its edges or it is too thin or too sharp for that; `tactus check` says which, and
-    /// by how much it is off. Generated shapes keep their facets then.
+    /// Contact surface of an object given as a triangle mesh. With None, a mesh file gets a smooth surface whose edges
+    /// are rounded with a radius of at most twice the spacing of the pad's surface nodes, unless its edges lie between
+    /// flat faces or it is too large, too thin or too sharp for that; `tactus check` reports the choice and the largest
+    /// deviation from the mesh. Generated shapes keep their facets with None.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<ObjectSurface>,
     /// Density, kg/m3.
     #[serde(default = "defaults::object_density")]
     pub density: Positive,
-    /// Divisions of a full turn of a generated round surface, which is drawn and written and is the contact geometry if
-    /// the shape has no closed form.
+    /// Number of segments of the full circumference of a generated round surface. The mesh is used for pictures and
+    /// files, and for contact if the shape has no distance function in closed form.
     #[serde(default = "defaults::segments")]
     pub segments: Count<8, 512>,
-    /// Freedom of the object to move.
+    /// Motion of the object: free or fixed.
     #[serde(default)]
     pub motion: ObjectMotion,
-    /// Motion in the hand after which a free object counts as dropped, in a scene without time.
+    /// Motion relative to the hand after which a free object counts as dropped, in a quasi-static scene.
     #[serde(default)]
     pub dropped_after: DroppedAfter,
     /// Velocity of the object's centre of mass at the start of a dynamic scene, world axes, m/s.
@@ -52,7 +54,7 @@ impl Object {
     }
 }
 
-/// Freedom of the object to move.
+/// Motion of the object: free or fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename = "Motion")]
 pub enum ObjectMotion {
@@ -63,14 +65,15 @@ pub enum ObjectMotion {
     Fixed,
 }
 
-/// Motion of an object in the hand after which it counts as dropped.
+/// Motion of an object relative to the hand after which it counts as dropped.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DroppedAfter {
-    /// Motion of the point of the object that was at the centre of the grasp, m. None is half of the narrower side of a pad.
+    /// Displacement of the point of the object that was midway between the pads, m. None is half of the shorter side of
+    /// a pad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<Length>,
-    /// Turn of the object, degrees.
+    /// Rotation of the object, degrees.
     #[serde(default = "defaults::dropped_turn_deg")]
     pub turn_deg: Positive,
 }
@@ -81,20 +84,20 @@ impl Default for DroppedAfter {
     }
 }
 
-/// Surface of a mesh that pads feel.
+/// Contact surface of a triangle mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ObjectSurface {
     /// The facets with all their edges.
     Faceted,
-    /// A smooth surface through the mesh.
+    /// A smooth surface that approximates the mesh.
     Smooth(SmoothObjectSurface),
 }
 
-/// Smooth surface through a mesh.
+/// Smooth surface that approximates a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SmoothObjectSurface {
-    /// Radius with which edges are rounded, m. None is twice the distance of the points of a pad.
+    /// Radius with which edges are rounded, m. None is twice the spacing of the pad's surface nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
 }
@@ -105,7 +108,7 @@ pub struct SmoothObjectSurface {
 pub enum ObjectShape {
     /// Closed surface from an OBJ, STL or PLY file, in metres (otherwise use `scale`), in the file's own frame.
     Mesh(PathBuf),
-    /// Ball.
+    /// Sphere.
     Sphere(Sphere),
     /// Box with edges along x, y, z.
     Cuboid(Cuboid),
@@ -113,31 +116,31 @@ pub enum ObjectShape {
     Ellipsoid(Ellipsoid),
     /// Cylinder.
     Cylinder(Cylinder),
-    /// Cylinder with half balls on its ends.
+    /// Cylinder with hemispherical ends.
     Capsule(Capsule),
     /// Prism over a regular polygon.
     Prism(Prism),
     /// Cylinder with a hole along its axis.
     Annulus(Annulus),
-    /// Cylinder with a bottom and no lid.
+    /// Hollow cylinder with a bottom, open at the top.
     Cup(Cup),
-    /// Spindle with two nipples, along z.
+    /// Spindle along z with a nipple at each end.
     Lemon(Lemon),
     /// Rounded cone, along z, tip down.
     Strawberry(Strawberry),
-    /// Bulb at -z that narrows to +z.
+    /// Body of revolution along z, thick at -z and narrow at +z.
     Pear(Pear),
-    /// Bent spindle in the xz plane.
+    /// Spindle bent along a circular arc in the xz plane.
     Banana(Banana),
-    /// Lumpy ellipsoid.
+    /// Ellipsoid with random lumps.
     Potato(Potato),
-    /// Profile turned about z.
+    /// Solid of revolution about z.
     Revolve(Revolve),
-    /// Tube along a path, with a radius that changes on the way.
+    /// Solid with circular cross-sections of variable radius along a path.
     Sweep(Sweep),
 }
 
-/// Declares the shapes: strict structs of documented fields.
+/// Declares the structs of the shapes, which deny unknown fields.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident: $type:ty,)* })*) => {
         $($(#[$doc])*
@@ -148,22 +151,22 @@ macro_rules! shapes {
 }
 
 shapes! {
-    /// Ball.
+    /// Sphere.
     Sphere {
         /// Radius, m.
         radius: Length,
     }
     /// Box.
     Cuboid {
-        /// Edge lengths along x, y, z, rounding included, m.
+        /// Outer edge lengths along x, y, z, m.
         size: Size,
-        /// Radius of all edges and corners, m; zero is sharp; at most half the smallest size.
+        /// Radius of all edges and corners, m; zero keeps them sharp; at most half the smallest edge length.
         #[serde(default = "defaults::edge_radius")]
         edge_radius: Depth,
     }
     /// Ellipsoid.
     Ellipsoid {
-        /// Half axes along x, y, z, m.
+        /// Semi-axes along x, y, z, m.
         radii: Size,
     }
     /// Cylinder with sharp rims.
@@ -177,12 +180,12 @@ shapes! {
     Capsule {
         /// Radius, m.
         radius: Length,
-        /// Height of the cylindrical part alone, m: the whole is `height + 2 radius` long.
+        /// Height of the cylindrical part, m; the total length is `height + 2 radius`.
         height: Length,
     }
     /// Prism over a regular polygon.
     Prism {
-        /// Number of corners of the polygon.
+        /// Number of sides of the polygon.
         sides: Count<3, 100>,
         /// Distance from the axis to a corner, m.
         radius: Length,
@@ -236,19 +239,19 @@ shapes! {
     }
     /// Banana.
     Banana {
-        /// Length along the bend, m.
+        /// Arc length of the centre line, m.
         #[serde(default = "defaults::banana_length")]
         length: Length,
         /// Largest diameter, m.
         #[serde(default = "defaults::banana_diameter")]
         diameter: Length,
-        /// Angle that the arc turns, degrees; 1 to 170.
+        /// Angle subtended by the arc, degrees; 1 to 170.
         #[serde(default = "defaults::banana_bend")]
         bend_deg: Positive,
     }
     /// Potato.
     Potato {
-        /// Half axes before the lumps are added, m.
+        /// Semi-axes before the lumps are added, m.
         #[serde(default = "defaults::potato_radii")]
         radii: Size,
         /// Height of the lumps as a fraction of the radius; at most 0.3.
@@ -260,18 +263,19 @@ shapes! {
     }
     /// Solid of revolution.
     Revolve {
-        /// Points (r, z) of the profile, m: a line from the axis to the axis (r = 0 at both ends, r > 0 between), or a
-        /// loop off it.
+        /// Points (r, z) of the profile, m: an open line from axis to axis (r = 0 at both ends, r > 0 between), or a
+        /// closed loop off the axis.
         profile: Vec<Vec2>,
-        /// Flag of a profile that is a loop (its first point not repeated): the solid is then a ring.
+        /// Flag: the profile is a closed loop (the first point is not repeated), so that the solid is a ring.
         #[serde(default)]
         closed: bool,
     }
-    /// Swept tube.
+    /// Solid swept along a path.
     Sweep {
         /// Points of the centre line, m.
         path: Vec<Vec3>,
-        /// Radius at each point, or one for all, m. Zero at an end makes a tip; otherwise the end is flat.
+        /// Radius at each point, or one radius for all points, m. A radius of zero at an end makes a tip; otherwise the
+        /// end is flat.
         radii: Vec<Depth>,
     }
 }

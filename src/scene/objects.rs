@@ -1,4 +1,4 @@
-//! Several objects in one scene file, each with its name and its grasps; everything else is shared, unless an object has its own. For
+//! Several objects in one scene file, each with its name; all other fields are shared unless an object has its own. For
 //! data sets.
 
 use super::grasps::Grasps;
@@ -15,25 +15,26 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Name of the object, used in the names of its files.
+    /// Name of the object; the names of its files contain it.
     pub name: Name,
     /// Rigid object.
     pub object: Object,
-    /// Grasps of the object; None takes those of the scene.
+    /// Grasps of the object; None takes the grasps of the scene.
     #[serde(default)]
     pub grasps: Option<Grasps>,
-    /// Gripper for the object; None takes that of the scene.
+    /// Gripper for the object; None takes the gripper of the scene.
     #[serde(default)]
     pub gripper: Option<Gripper>,
-    /// Loading of the object's grasps; None takes that of the scene.
+    /// Loading of the object's grasps; None takes the loading of the scene.
     #[serde(default)]
     pub loading: Option<Loading>,
-    /// Gravity for the object, m/s2; None takes that of the scene.
+    /// Gravity for the object, m/s2; None takes the gravity of the scene.
     #[serde(default)]
     pub gravity: Option<Vec3>,
 }
 
-/// Name of letters, digits and `-`: other programs read the first field of a file name, up to `_`, as the object.
+/// Name of letters, digits and `-`. An underscore is not allowed, because other programs take the part of a file name
+/// before the first `_` as the object.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Name(String);
 
@@ -50,7 +51,7 @@ impl Name {
         Err(format!("{name:?} cannot name an object\nallowed: 1 to 64 letters, digits and `-` (no `_`, no blank)"))
     }
 
-    /// Returns the nearest allowed name: every character that is not allowed becomes `-`.
+    /// Returns an allowed name similar to `text`: every character that is not allowed becomes `-`.
     pub fn near(text: &str) -> Self {
         let fit = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         let name: String = text.chars().map(fit).take(64).collect();
@@ -70,11 +71,11 @@ impl<'de> Deserialize<'de> for Name {
     }
 }
 
-/// Division of the poses of each object into training and test.
+/// Division of the grasps of each object into training and test sets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Split {
-    /// Fraction of the poses of each object that is kept for the test.
+    /// Fraction of the grasps of each object that is held out for the test set.
     pub test: Fraction,
     /// Seed of the division; the same seed gives the same division.
     pub seed: u64,
@@ -91,6 +92,6 @@ impl Default for Split {
 pub struct NamedScene {
     /// Name of the object.
     pub name: Name,
-    /// Scene as if it had this object only.
+    /// Scene with this object only.
     pub scene: Scene,
 }

@@ -1,4 +1,4 @@
-//! Observations that an agent may ask for.
+//! Observations of an agent.
 
 use super::defaults;
 use super::leaf::{Count, Length};
@@ -7,57 +7,58 @@ use serde::{Deserialize, Serialize};
 /// Observation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Observe {
-    /// Contact force on the pads as an image, N.
+    /// Image of the contact force on each pad, N.
     TaxelForce(Grid),
-    /// Displacement of the sensing face as an image, m.
+    /// Image of the displacement of the sensing face, m.
     TaxelDisplacement(Grid),
-    /// Normal traction on the sensing face as an image, Pa: the pressure along the closing direction.
+    /// Image of the normal traction on the sensing face, Pa: the pressure along the closing direction.
     Pressure(Grid),
-    /// Tangential traction on the sensing face as an image, Pa.
+    /// Image of the tangential traction on the sensing face, Pa.
     Shear(Grid),
-    /// Height of the deformed sensing face as an image, m.
+    /// Image of the height of the deformed sensing face, m.
     HeightMap(Grid),
-    /// Depth of the object in the undeformed sensing face as an image, m, as if it were a rigid mould.
+    /// Image of the depth of the object below the undeformed sensing face, m, without mechanics: as if the gel took the
+    /// shape of the object.
     DepthMap(Grid),
-    /// Dots printed on the sensing face: position and displacement, m, and place in the camera's image, pixels.
+    /// Markers printed on the sensing face: position and displacement, m, and position in the camera image, pixels.
     Markers(Markers),
     /// Centre of pressure of each pad, m.
     CenterOfPressure,
-    /// Area of each pad that touches the object, m2.
+    /// Contact area of each pad, m2.
     ContactArea,
-    /// Part of the contact force that is carried by points that slide, as an image.
+    /// Image of the fraction of the contact force that is carried by sliding points.
     Slip(Grid),
-    /// Force and torque on each pad.
+    /// Contact force and torque on each pad.
     Wrench,
     /// Travel of each finger since first contact, m.
     Travel,
     /// Pose of the object in the hand.
     ObjectPose,
-    /// Force that closes the fingers, N.
+    /// Closing force, the sum over the fingers, N.
     Force,
-    /// Error of a network's prediction, by its own account.
+    /// Error bound of a network's prediction, estimated by the network.
     PredictionError,
 }
 
 impl Observe {
-    /// Returns true for what a tactile sensor sees, which runs and data sets record if they are asked to.
+    /// Returns true if a tactile sensor measures the observation; runs and data sets can record only such observations.
     pub fn is_tactile(&self) -> bool {
         use Observe::{Force, ObjectPose, PredictionError, Travel, Wrench};
         !matches!(self, Wrench | Travel | ObjectPose | Force | PredictionError)
     }
 
-    /// Observations of an agent by default.
+    /// Default observations of an agent.
     pub const USUAL: [Observe; 4] =
         [Observe::TaxelForce(Grid::USUAL), Observe::Wrench, Observe::Travel, Observe::Force];
 }
 
-/// Taxels along the pad's x (rows) and y (columns).
+/// Grid of taxels along pad x (rows) and pad y (columns).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Grid {
-    /// Number along x of the pad, which is the hand's approach.
+    /// Number along pad x, the approach of the hand.
     pub rows: Count<1, 512>,
-    /// Number along y of the pad.
+    /// Number along pad y, the finger width.
     pub cols: Count<1, 512>,
 }
 
@@ -65,7 +66,7 @@ impl Grid {
     /// Default grid.
     pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
 
-    /// Number of taxels.
+    /// Returns the number of taxels.
     pub fn taxels(&self) -> usize {
         self.rows.get() * self.cols.get()
     }
@@ -77,20 +78,21 @@ impl Default for Grid {
     }
 }
 
-/// Dots printed on the sensing face in rows and columns, each amid its part of the face.
+/// Markers printed on the sensing face in rows and columns, each at the centre of a cell of a regular grid over the
+/// face.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Markers {
-    /// Number along x of the pad, which is the hand's approach.
+    /// Number along pad x, the approach of the hand.
     pub rows: Count<1, 512>,
-    /// Number along y of the pad.
+    /// Number along pad y, the finger width.
     pub cols: Count<1, 512>,
-    /// Size of a pixel of the camera on the sensing face, m; by default that of a GelSight Mini.
+    /// Size of a camera pixel projected onto the sensing face, m; by default that of a GelSight Mini.
     pub pixel: Length,
 }
 
 impl Markers {
-    /// Grid with a marker amid each cell.
+    /// Returns the grid with a marker at the centre of each cell.
     pub fn grid(&self) -> Grid {
         Grid { rows: self.rows, cols: self.cols }
     }

@@ -1,8 +1,8 @@
-//! Positions of values in the text of a scene: a scanner that knows just enough RON to give every field a path and a
-//! place.
+//! Positions of values in the text of a scene: a scanner of a subset of RON that assigns a path and a position to every
+//! field.
 //!
-//! serde forgets positions once a value is read. Checks across fields come later, and their messages should show the
-//! field that they are about. On broken text the outline simply ends early.
+//! serde discards positions after a value is read, but the messages of later checks across fields show the position of
+//! the field. On invalid text the outline ends early.
 
 use super::diagnose::clipped;
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub(super) struct OutlineEntry {
     pub key: Range<usize>,
     /// Byte range of the value.
     pub value: Range<usize>,
-    /// Name before the value's parenthesis, or the value itself if it is a bare name.
+    /// Name before the parenthesis of the value, or the value itself if it is a bare name.
     pub name: Option<Range<usize>>,
 }
 
@@ -31,8 +31,8 @@ enum Step {
     Index(usize),
 }
 
-/// Place that a path leads to. A path is read off the tree only on request, because a text with a long key and a long list has many
-/// paths.
+/// Node of the tree of fields. Paths are built only on request, because the paths of a text with a long key and a long
+/// list are together much larger than the text.
 #[derive(Debug)]
 struct Node {
     parent: usize,
@@ -47,10 +47,10 @@ pub(super) struct Outline<'a> {
     entries: Vec<OutlineEntry>,
 }
 
-/// Largest number of values of a scene file: far above any scene.
+/// Largest number of values of a scene file, far above that of any real scene.
 pub(super) const VALUE_LIMIT: usize = 2_000_000;
 
-/// Largest depth of nesting: deeper than any scene, shallower than any stack.
+/// Largest depth of nesting: above that of any real scene, small enough for the call stack.
 const DEPTH_LIMIT: usize = 64;
 
 impl<'a> Outline<'a> {
@@ -66,12 +66,12 @@ impl<'a> Outline<'a> {
         Self { text, nodes: scan.nodes, entries: scan.entries }
     }
 
-    /// True if the text holds more values than [`VALUE_LIMIT`], which ends the outline.
+    /// Returns true if the text has more values than [`VALUE_LIMIT`], at which the outline ends.
     pub fn is_full(&self) -> bool {
         self.nodes.len() >= VALUE_LIMIT
     }
 
-    /// True if the text holds nothing but blanks and comments.
+    /// Returns true if the text contains only blanks and comments.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -81,11 +81,11 @@ impl<'a> Outline<'a> {
         &self.entries
     }
 
-    /// Returns the entry of this path, or of its nearest parent that is written out.
+    /// Returns the entry of this path, or of its nearest parent in the text.
     pub fn find(&self, path: &str) -> Option<&OutlineEntry> {
         let mut path = path;
         loop {
-            // of several values of one path (`Mesh("a.obj")` and `"a.obj"`) the innermost ends first
+            // of several values with the same path (`Mesh("a.obj")` and `"a.obj"`), the innermost comes first
             if let Some(entry) = self.entries.iter().find(|e| self.leads(e.node, path)) {
                 return Some(entry);
             }
@@ -97,7 +97,8 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Path of an entry, like `gripper.pads.spacing` or `grasps[2].rotation`; enum names do not count, the whole file is "".
+    /// Returns the path of an entry, like `gripper.pads.spacing` or `grasps[2].rotation`; enum names are not part of
+    /// it, and the path of the whole file is "".
     pub fn path(&self, entry: &OutlineEntry) -> String {
         let (mut steps, mut node) = (Vec::new(), &self.nodes[entry.node]);
         while !matches!(node.step, Step::Root) {
@@ -126,7 +127,7 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Returns true if `path` leads to this node.
+    /// Returns true if `path` is the path of this node.
     fn leads(&self, node: usize, path: &str) -> bool {
         let (mut node, mut path) = (&self.nodes[node], path);
         loop {
@@ -147,12 +148,12 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Returns the path of the innermost entry that covers this byte; "" at the top.
+    /// Returns the path of the innermost entry that contains this byte; "" at the top level.
     pub fn path_at(&self, at: usize) -> String {
         self.innermost(at).map_or(String::new(), |e| self.path(e))
     }
 
-    /// Returns the value of the innermost entry that covers this byte.
+    /// Returns the value of the innermost entry that contains this byte.
     pub fn value_at(&self, at: usize) -> Option<Range<usize>> {
         self.innermost(at).map(|e| e.value.clone())
     }
@@ -236,13 +237,13 @@ impl Scan<'_> {
         (self.at > start).then_some(start..self.at)
     }
 
-    /// Returns the node that a step leads to from `parent`.
+    /// Adds the node of a step from `parent`, and returns its index.
     fn node(&mut self, parent: usize, step: Step) -> usize {
         self.nodes.push(Node { parent, step });
         self.nodes.len() - 1
     }
 
-    /// Reads one value and enters it at `node`.
+    /// Scans one value and adds it as an entry of `node`.
     fn value(&mut self, node: usize, key: Option<Range<usize>>, depth: usize) {
         let start = self.at;
         let raw_string = self.rest().starts_with("r\"") || self.rest().starts_with("r#");
@@ -262,8 +263,8 @@ impl Scan<'_> {
         self.entries.push(OutlineEntry { node, key: key.unwrap_or(value.clone()), value, name });
     }
 
-    /// Reads the text between brackets. The only positional value after a name (`Sphere(0.1)`, `List([...])`) is the
-    /// named value itself and takes no index.
+    /// Scans the text between brackets. The single positional value after a name (`Sphere(0.1)`, `List([...])`) is the
+    /// named value itself and gets no index.
     fn group(&mut self, node: usize, named: bool, depth: usize) {
         if depth >= DEPTH_LIMIT || self.nodes.len() >= VALUE_LIMIT {
             self.at = self.text.len();
@@ -296,14 +297,14 @@ impl Scan<'_> {
                 self.value(inner, None, depth + 1);
             }
             if self.at == start {
-                // nothing that RON knows: step over it
+                // not RON: skip it
                 self.at += self.peek().map_or(0, char::len_utf8);
             }
         }
         self.at += 1;
     }
 
-    /// Reads a field name with its colon, or returns None without a move.
+    /// Scans a field name with its colon; otherwise returns None and keeps the position.
     fn key(&mut self) -> Option<Range<usize>> {
         let start = self.at;
         let key = self.identifier();
@@ -332,7 +333,7 @@ impl Scan<'_> {
         let hashes = self.rest().len() - self.rest().trim_start_matches('#').len();
         let close = format!("\"{}", "#".repeat(hashes));
         let body = (self.at + hashes + 1).min(self.text.len());
-        // a lone `r#` of a raw identifier has no quote to find
+        // a raw identifier `r#` has no quote
         self.at =
             self.text.get(body..).and_then(|b| b.find(&close)).map_or(self.text.len(), |i| body + i + close.len());
     }

@@ -5,19 +5,19 @@ use super::observation::Observe;
 use super::schema::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Output of a run; by default everything except the gaps.
+/// Output of a run; by default everything except the gap and tactile observations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Record", default, deny_unknown_fields)]
 pub struct Record {
     /// Fields of each frame.
     pub fields: Vec<Field>,
-    /// Observations of tactile sensors, for the arrays of runs and data sets.
+    /// Tactile observations recorded in the arrays of runs and data sets.
     pub tactile: Vec<Observe>,
-    /// Switch for PNG pictures.
+    /// Flag: PNG pictures are written.
     pub pictures: bool,
-    /// Format of the file with the arrays of all frames; None writes none.
+    /// Format of the file with the arrays of all frames; None writes no such file.
     pub arrays: Option<Arrays>,
-    /// Switch for ParaView files.
+    /// Flag: ParaView files (VTU) are written.
     pub vtu: bool,
 }
 
@@ -33,7 +33,7 @@ impl Default for Record {
     }
 }
 
-/// Returns the first value that does not fit, as field and message.
+/// Returns the first invalid value, as field and message.
 pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     let tactile = &scene.record.tactile;
     let field = |message: String| Some(("record.tactile".to_string(), message));
@@ -53,13 +53,13 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
 /// Recorded field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Field {
-    /// Displacement of every soft node, m.
+    /// Displacement of every pad node, m.
     Displacement,
     /// Von Mises stress, Pa.
     Stress,
-    /// Contact force on every surface node, N.
+    /// Contact force on every pad node, N.
     ContactForce,
-    /// Signed distance of every soft node to the object, m.
+    /// Signed distance of every pad node to the object, m.
     Gap,
     /// Pose of the rigid object.
     ObjectPose,
@@ -70,13 +70,13 @@ impl Field {
     pub const ALL: [Field; 5] =
         [Field::Displacement, Field::Stress, Field::ContactForce, Field::Gap, Field::ObjectPose];
 
-    /// Fields recorded by default, without the gap: the distance of every node to the object costs a query each.
+    /// Fields recorded by default. The gap is left out, because it costs a distance query for every node.
     pub const USUAL: [Field; 4] = [Field::Displacement, Field::Stress, Field::ContactForce, Field::ObjectPose];
 }
 
 /// Format of the arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Arrays {
-    /// NumPy's zip of arrays.
+    /// NumPy `.npz` archive.
     Npz,
 }

@@ -1,4 +1,4 @@
-//! Overrides of a scene for one run: what the command line and Python may set in place of what the file says.
+//! Overrides of a scene for one run, set by the command line or Python.
 
 use super::dialect::recheck;
 use super::leaf::{Count, Positive};
@@ -13,22 +13,22 @@ use std::path::PathBuf;
 pub enum Backend {
     /// Finite elements.
     Fem,
-    /// Finite elements with pads condensed onto the nodes that touch: fast, with an error.
+    /// Finite elements with pads condensed onto the nodes that can come into contact: fast, with an additional error.
     Condensed,
     /// Trained network.
     Gnn,
 }
 
-/// Values in place of those of the scene; None and false keep them.
+/// Values that replace those of the scene; None and false keep the values of the scene.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Backend.
     pub backend: Option<Backend>,
-    /// Folder or name of the trained model of a network.
+    /// Folder or name of the trained network.
     pub model: Option<PathBuf>,
-    /// Largest error of the displacement that is accepted from a network.
+    /// Largest accepted relative error of the displacement of a network.
     pub error_at_most: Option<f64>,
-    /// Switch that lets a network answer outside the range of its training.
+    /// Flag: the network also answers outside the range of its training.
     pub extrapolate: bool,
     /// Final force of a squeeze, the sum over the fingers, N.
     pub force: Option<f64>,
@@ -36,17 +36,17 @@ pub struct Overrides {
     pub frames: Option<u64>,
     /// Number of threads.
     pub threads: Option<u64>,
-    /// Wall time that a grasp may take, s.
+    /// Limit of the wall time of a grasp, s.
     pub max_time: Option<f64>,
-    /// Switch that leaves the pictures out.
+    /// Flag: no pictures are written.
     pub no_pictures: bool,
 }
 
 impl Overrides {
-    /// Changes the scene, and checks it once more.
+    /// Changes the scene, and checks it again.
     ///
     /// # Errors
-    /// Fails if a value is not allowed, does not go with the backend, or does not fit the rest of the scene.
+    /// Fails if a value is not allowed, does not apply to the backend, or is inconsistent with the rest of the scene.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         self.choose(&mut scene.stepper)?;
         self.trust(&mut scene.stepper)?;
@@ -94,7 +94,7 @@ impl Overrides {
         }
     }
 
-    /// Applies what says how far a network is trusted.
+    /// Applies the accepted error and the extrapolation of a network.
     fn trust(&self, stepper: &mut StepperChoice) -> Result<()> {
         match stepper {
             StepperChoice::Gnn(gnn) => {
@@ -115,7 +115,7 @@ impl Overrides {
 /// Limits the wall time of each grasp, s.
 ///
 /// # Errors
-/// Fails if the time is not above zero, or a network advances the scene.
+/// Fails if the time is not above zero, or the backend is a network.
 pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
     match stepper {

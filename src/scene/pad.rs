@@ -10,8 +10,8 @@ use crate::robot::SoftPad;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::PathBuf;
 
-/// Soft pad in the pad frame: origin at the centre of the sensing face, +z out of the gel, back face bonded to the
-/// finger. On the finger, pad x lies along the hand's approach (z) and pad y along the finger width (y).
+/// Soft pad. Pad frame: origin at the centre of the sensing face, +z out of the gel, back face bonded to the finger.
+/// When mounted, pad x lies along the hand's approach (hand z) and pad y along the finger width (hand y).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Pads {
     /// Gel of a GelSight Mini, 25.25 x 20.75 x 4.0 mm.
@@ -31,7 +31,8 @@ impl Default for Pads {
 }
 
 impl Pads {
-    /// Returns the relative error of the displacement for which the mesh is chosen; None if the scene states the mesh.
+    /// Returns the relative error of the displacement for which the mesh is chosen; None if the scene specifies the
+    /// mesh.
     pub fn accuracy(&self) -> Option<f64> {
         let wanted = match self {
             Pads::GelSightMini(g) => g.accuracy,
@@ -42,7 +43,7 @@ impl Pads {
         wanted.map(Fraction::get)
     }
 
-    /// Returns the width of the cells at the rim over those at the centre.
+    /// Returns the ratio of the cell widths at the rim and at the centre.
     pub fn focus(&self) -> f64 {
         match self {
             Pads::GelSightMini(GelSightMini { focus, .. })
@@ -52,7 +53,7 @@ impl Pads {
         }
     }
 
-    /// Returns the same pads with a finer mesh; None for those of a file.
+    /// Returns the same pads with a finer mesh; None for pads from a file.
     pub fn finer(&self, mesh: &FinerMesh) -> Option<Self> {
         let mut pads = self.clone();
         let divided = |spacing: Length| Length::new(spacing.get() / mesh.finer.get()).ok();
@@ -70,7 +71,7 @@ impl Pads {
         Some(pads)
     }
 
-    /// Returns the same pads with this mesh instead of an accuracy; None keeps the present value.
+    /// Returns the same pads with this spacing and focus instead of an accuracy; None keeps the present value.
     pub fn with_mesh(&self, spacing: Option<Length>, focus: Option<Ratio>) -> Self {
         let mut pads = self.clone();
         match &mut pads {
@@ -89,17 +90,18 @@ impl Pads {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GelSightMini {
-    /// Shape of the sensing face: flat, as simulators model it, or domed, like the real one.
+    /// Shape of the sensing face: flat, as most simulators assume, or domed, as on the real sensor.
     pub shape: GelShape,
-    /// Smallest distance between nodes of the sensing face, m. If neither it nor `accuracy` is given: [`defaults::GELSIGHT_SPACING`].
+    /// Smallest node spacing of the sensing face, m. If neither it nor `accuracy` is given:
+    /// [`defaults::GELSIGHT_SPACING`].
     pub spacing: Option<Length>,
-    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
-    /// object and the load, see [`crate::model::accuracy`].
+    /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
+    /// focus are then chosen from the object and the load, see [`crate::model::accuracy`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
+    /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
     pub grading: Ratio,
-    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    /// Ratio of the cell widths at the rim and at the centre of the sensing face; 1 is uniform.
     pub focus: Ratio,
 }
 
@@ -116,7 +118,7 @@ impl Default for GelSightMini {
 }
 
 impl GelSightMini {
-    /// Returns the spacing of the mesh if no accuracy asks for another.
+    /// Returns the mesh spacing that applies without `accuracy`.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::GELSIGHT_SPACING)
     }
@@ -128,36 +130,36 @@ pub enum GelShape {
     /// Plane.
     #[default]
     Flat,
-    /// Dome with a radius of about 115 mm along the short side and 188 mm along the long one.
+    /// Dome with a radius of curvature of about 115 mm along the short side and 188 mm along the long side.
     Domed,
 }
 
-/// Box of gel. Give one of `cells`, `spacing` and `accuracy`.
+/// Cuboid of gel. Give one of `cells`, `spacing` and `accuracy`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Box", deny_unknown_fields)]
 pub struct BoxPad {
-    /// Edge lengths: x and y of the face, and z, the thickness, m.
+    /// Edge lengths along pad x, y and z (z is the thickness), m.
     pub size: Size,
     /// Numbers of cells along x, y, z.
     #[serde(default)]
     pub cells: Option<Cells>,
-    /// Smallest distance between nodes, m. If none of the three is given: [`defaults::PAD_SPACING`].
+    /// Smallest node spacing, m. If none of the three is given: [`defaults::PAD_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
-    /// object and the load, see [`crate::model::accuracy`].
+    /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
+    /// focus are then chosen from the object and the load, see [`crate::model::accuracy`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
+    /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
-    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    /// Ratio of the cell widths at the rim and at the centre of the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_focus")]
     pub focus: Ratio,
 }
 
 impl BoxPad {
-    /// Returns the spacing of the mesh if neither cells are given nor an accuracy asks for another.
+    /// Returns the mesh spacing that applies without `cells` and `accuracy`.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::PAD_SPACING)
     }
@@ -171,47 +173,48 @@ pub struct DiscPad {
     pub radius: Length,
     /// Thickness, m.
     pub thickness: Length,
-    /// Distance between nodes, m. If neither it nor `accuracy` is given: [`defaults::DISC_SPACING`].
+    /// Node spacing, m. If neither it nor `accuracy` is given: [`defaults::DISC_SPACING`].
     #[serde(default)]
     pub spacing: Option<Length>,
-    /// Relative error of the displacement (L2 over the volume), an alternative to a spacing: spacing and focus are chosen for it from the
-    /// object and the load, see [`crate::model::accuracy`].
+    /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
+    /// focus are then chosen from the object and the load, see [`crate::model::accuracy`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
-    /// Thickness of each layer over that of the layer before it, away from the sensing face; 1 is uniform.
+    /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
     #[serde(default = "defaults::pad_grading")]
     pub grading: Ratio,
-    /// Width of the cells at the rim over those at the centre; 1 is uniform.
+    /// Ratio of the cell widths at the rim and at the centre of the sensing face; 1 is uniform.
     #[serde(default = "defaults::pad_focus")]
     pub focus: Ratio,
 }
 
 impl DiscPad {
-    /// Returns the spacing of the mesh if no accuracy asks for another.
+    /// Returns the mesh spacing that applies without `accuracy`.
     pub fn mesh_spacing(&self) -> Length {
         self.spacing.unwrap_or(defaults::DISC_SPACING)
     }
 }
 
-/// Pad from a tetrahedral mesh file; `File("pad.tet")` takes all defaults.
+/// Pad from a tetrahedral mesh file; `File("pad.tet")` uses all defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "File", remote = "Self", deny_unknown_fields)]
 pub struct FilePad {
     /// Path of the mesh file.
     pub path: PathBuf,
-    /// Name or tag of the physical volume of a gmsh file that is the gel; None takes all volumes.
+    /// Name or tag of the physical volume of a Gmsh file that is the gel; None takes all volumes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
-    /// Direction out of the gel towards the object, in the file's axes; any length except zero.
+    /// Outward normal of the sensing face, in the axes of the file; any nonzero length.
     #[serde(default = "defaults::pad_outward")]
     pub outward: Vec3,
-    /// Direction that becomes x of the pad, in the file's axes; None takes the file's x (its y if `outward` is along x).
+    /// Direction of pad x, in the axes of the file; None takes the x axis of the file (its y axis if `outward` is along
+    /// x).
     #[serde(default)]
     pub across: Option<Vec3>,
-    /// Factor from the file's unit to metres.
+    /// Conversion factor from the unit of the file to metres.
     #[serde(default = "defaults::pad_scale")]
     pub scale: Positive,
-    /// Rule for the nodes that are bonded to the finger; by default those on the back plane.
+    /// Selection of the nodes that are bonded to the finger; by default those on the back plane.
     #[serde(default)]
     pub bonded: BondingRule,
 }

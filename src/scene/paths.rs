@@ -1,4 +1,4 @@
-//! Paths that a scene names: they start at the folder of its file, and have to lead to a file.
+//! Paths in a scene, relative to the folder of its file; each must lead to a file.
 
 use super::bonding::BondingRule;
 use super::grasps::Grasps;
@@ -12,8 +12,8 @@ use crate::files::regular::other_kind;
 use crate::robot::mount;
 use std::path::{Path, PathBuf};
 
-/// Resolves paths from the folder of the file that names them, refuses those that lead nowhere, and takes over what the descriptions of
-/// robots say.
+/// Resolves paths relative to the folder of the scene file, refuses paths that do not lead to a file, and applies robot
+/// descriptions.
 pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::result::Result<(), (String, String)> {
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
@@ -80,7 +80,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
         entry.gripper.as_mut().map_or(Ok(()), |g| gripper(g, &format!("objects[{i}].gripper")))?;
     }
     if let Some(StepperChoice::Gnn(gnn)) = &mut part.stepper {
-        // whether there is a model is for the engine to say
+        // the engine checks whether the model exists
         if !SHIPPED_MODELS.iter().any(|name| gnn.model.as_os_str() == *name) {
             gnn.model = dir.join(&gnn.model);
         }

@@ -1,4 +1,4 @@
-//! Positions of the fields of a scene in its files, where errors point to.
+//! Positions of the fields of a scene in its files, shown by error messages.
 
 use super::diagnose::Diagnosis;
 use super::objects::Name;
@@ -7,7 +7,7 @@ use crate::error::Error;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Index of the source that gave each field.
+/// Index of the source file that gives each field.
 pub(super) type Origins = BTreeMap<&'static str, usize>;
 
 /// Positions of the fields in the files of a scene.
@@ -15,7 +15,8 @@ pub(super) type Origins = BTreeMap<&'static str, usize>;
 pub(super) struct FieldPlaces {
     pub(super) sources: Vec<SceneText>,
     pub(super) origins: Origins,
-    /// Names of the listed objects, each with true if it has grasps of its own; empty if the scene has one object.
+    /// Names of the objects in the list `objects`, each with true if it has its own grasps; empty if the scene has one
+    /// object.
     pub(super) listed: Vec<(Name, bool)>,
 }
 
@@ -27,7 +28,8 @@ impl FieldPlaces {
         self.error_at(&self.written(field, index), text.strip_prefix("error: ").unwrap_or(&text))
     }
 
-    /// Returns the path of a field as the file has it: an object and its grasps may stand in the list of objects.
+    /// Returns the path of a field as written in the file: an object and its grasps may be an entry of the list of
+    /// objects.
     pub(super) fn written(&self, field: &str, index: Option<usize>) -> String {
         let listed = index.and_then(|i| Some((i, self.listed.get(i)?.1)));
         match listed {
@@ -39,13 +41,13 @@ impl FieldPlaces {
         }
     }
 
-    /// Returns an error at a field, in the file that gives it.
+    /// Returns an error at a field, in the file that gives the field.
     pub(super) fn error_at(&self, field: &str, message: &str) -> Error {
         let first = field.split(['.', '[']).next().unwrap_or("");
         self.sources[self.origins.get(first).copied().unwrap_or(0)].error_at(field, message)
     }
 
-    /// Returns the number of bytes of all files outside the list of objects.
+    /// Returns the number of bytes of all files without the list of objects.
     pub(super) fn shared(&self) -> usize {
         let listed = self.origins.get("objects").map_or(0, |at| self.sources[*at].length("objects"));
         self.sources.iter().map(|s| s.text.len()).sum::<usize>() - listed
@@ -69,7 +71,7 @@ impl SceneText {
         Outline::of(&self.text).find(field).map_or(0, |e| e.value.len())
     }
 
-    /// Returns an error at a field of this file, named in the message.
+    /// Returns an error at a field of this file; the message names the field.
     pub(super) fn error_at(&self, field: &str, message: &str) -> Error {
         let span = Outline::of(&self.text).find(field).map_or(0..0, |e| e.value.clone());
         self.error(&Diagnosis::new(&format!("{field}: {message}"), span))

@@ -1,4 +1,4 @@
-//! Terms of the reward of an agent, which are added up.
+//! Terms of the reward of an agent, which are summed.
 
 use super::leaf::{NonNegative, Positive};
 use serde::{Deserialize, Serialize};
@@ -22,14 +22,15 @@ impl Default for Reward {
     }
 }
 
-/// Pays `weight` per step in which the object is held, and takes `drop` when it is lost.
+/// Adds `weight` in a step in which the object is held; subtracts `drop` in a step in which it is not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Hold")]
 pub struct HoldReward {
     /// Reward per step.
     pub weight: NonNegative,
-    /// Penalty for the loss of the object, taken once.
+    /// Penalty of a step in which the object is not held. Without `regrasp`, such a step ends the episode, so that the
+    /// penalty is applied once.
     pub drop: NonNegative,
 }
 
@@ -39,7 +40,7 @@ impl Default for HoldReward {
     }
 }
 
-/// Takes `weight` per millimetre that the object slides over the pads.
+/// Subtracts `weight` per millimetre of slip of the object on the pads.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Slip")]
@@ -54,7 +55,7 @@ impl Default for SlipReward {
     }
 }
 
-/// Takes `weight` times the part by which the largest von Mises stress exceeds `limit`.
+/// Subtracts `weight (s / limit - 1)` if the largest von Mises stress s exceeds `limit`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[serde(rename = "Stress")]
@@ -70,7 +71,7 @@ const fn one() -> NonNegative {
     NonNegative::preset(1.0)
 }
 
-/// Takes `weight` per step at the largest force, and proportionally less below it.
+/// Subtracts `weight` times the force over the largest allowed force in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[serde(rename = "Economy")]

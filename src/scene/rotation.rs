@@ -8,8 +8,8 @@ use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
 use std::marker::PhantomData;
 
-/// Rotation, kept as a unit quaternion; written `(w, x, y, z)` (normalised when read) or `RpyDeg((roll, pitch, yaw))` in
-/// degrees: roll about x first, then pitch about y, then yaw about z, all about fixed axes.
+/// Rotation, stored as a unit quaternion; written `(w, x, y, z)` (normalised when read) or `RpyDeg((roll, pitch, yaw))`
+/// in degrees: roll about x, then pitch about y, then yaw about z, about fixed axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation(DQuat);
 
@@ -35,9 +35,9 @@ impl Rotation {
                     .into(),
             );
         }
-        // divided by the longest first, so that huge numbers do not overflow when squared
+        // scaled by the largest component first, so that large numbers do not overflow when squared
         let q = DQuat::from_xyzw(x / longest, y / longest, z / longest, w / longest);
-        // a unit quaternion is kept as it is, so that reading what was written gives the same bits
+        // a unit quaternion is not normalised again, so that a written rotation is read back bit by bit
         let unit = DQuat::from_xyzw(x, y, z, w);
         Ok(Self(if (unit.length() - 1.0).abs() < 1e-15 { unit } else { q.normalize() }))
     }
@@ -65,8 +65,8 @@ impl<'de> Deserialize<'de> for Rotation {
     }
 }
 
-/// Visitor that sees the elements inside the parentheses only: RON drops the name before them. The name `RpyDeg` is
-/// checked on the source text (`lint.rs`).
+/// Visitor of the elements inside the parentheses: RON drops the name before them. The name `RpyDeg` is checked in the
+/// source text (`lint.rs`).
 struct RotationVisitor;
 
 impl<'de> Visitor<'de> for RotationVisitor {

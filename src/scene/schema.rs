@@ -1,4 +1,4 @@
-//! Scene: everything that a scene file can say.
+//! Schema of a scene: all fields of a scene file.
 
 use super::expect::Expectation;
 use super::grasps::Grasps;
@@ -18,36 +18,36 @@ use std::borrow::Cow;
 /// Complete scene: includes merged, defaults filled in, paths resolved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scene {
-    /// Description of the scene for readers.
+    /// Description of the scene, free text.
     pub about: String,
     /// Rigid object.
     pub object: Object,
     /// Gripper and its pads.
     pub gripper: Gripper,
-    /// Poses of the hand.
+    /// Grasps: poses of the hand.
     pub grasps: Grasps,
     /// Loading of the grasp.
     pub loading: Loading,
-    /// Backend that advances the scene.
+    /// Backend that computes the grasps.
     pub stepper: StepperChoice,
-    /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is no gravity.
+    /// Gravity in the world frame (the object frame at the start of each grasp), m/s2; None is no gravity.
     pub gravity: Option<Vec3>,
-    /// Support on which the object may rest in a dynamic scene; None is no support.
+    /// Rigid ground under the object in a dynamic scene; None is no ground.
     pub ground: Option<Ground>,
-    /// Output of a run.
+    /// Recorded output of a run.
     pub record: Record,
-    /// Promises of the scene about its own outcome.
+    /// Expected results, checked after each grasp.
     pub expect: Vec<Expectation>,
-    /// Promises for a scene that a network advances; None takes those of `expect` that a network keeps by construction,
-    /// see [`Expectation::by_network`].
+    /// Expected results if a network computes the grasps; None takes those entries of `expect` that a network meets by
+    /// construction, see [`Expectation::by_network`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect_network: Option<Vec<Expectation>>,
-    /// Task of an agent in the scene, see [`crate::env`]; a run ignores it.
+    /// Reinforcement learning task in the scene, see [`crate::env`]; a run ignores it.
     pub task: Option<Task>,
 }
 
 impl Scene {
-    /// Returns the promises that a run is held to: those of its backend.
+    /// Returns the expected results against which a run with the scene's backend is checked.
     pub fn promises(&self) -> Cow<'_, [Expectation]> {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => Cow::Borrowed(&self.expect),
@@ -56,7 +56,7 @@ impl Scene {
         }
     }
 
-    /// Returns the field that [`Scene::promises`] come from, in words.
+    /// Returns the name of the field from which [`Scene::promises`] are taken, in words.
     pub fn promised_in(&self) -> &'static str {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => "expect",
@@ -70,7 +70,7 @@ impl Scene {
         [("expect", &self.expect), ("expect_network", self.expect_network.as_deref().unwrap_or_default())]
     }
 
-    /// Returns the finer mesh that finite elements use in place of that of the pads.
+    /// Returns the finer mesh that the finite elements use instead of the mesh of the pads.
     pub fn finer_mesh(&self) -> Option<FinerMesh> {
         match &self.stepper {
             StepperChoice::Fem(fem) => fem.mesh,
@@ -78,7 +78,7 @@ impl Scene {
         }
     }
 
-    /// Returns the scene on the mesh of its pads, whatever mesh is simulated.
+    /// Returns the scene without the finer mesh of the finite elements.
     pub fn on_own_mesh(&self) -> Cow<'_, Self> {
         if self.finer_mesh().is_none() {
             return Cow::Borrowed(self);
@@ -90,17 +90,17 @@ impl Scene {
         Cow::Owned(scene)
     }
 
-    /// Removes all promises.
+    /// Removes all expected results.
     pub fn promise_nothing(&mut self) {
         self.expect.clear();
         self.expect_network = None;
     }
 }
 
-/// Declares [`ScenePart`] and everything that is done field by field, so that a new field is added in one place.
+/// Declares [`ScenePart`] and all code that handles it field by field, so that a new field is added in one place.
 macro_rules! part {
     ($($field:ident: $type:ty,)*) => {
-        /// Scene file as written: any field may be missing, and an include or the default gives it.
+        /// Scene file as written: any field may be missing; its value then comes from an include or the default.
         #[derive(Debug, Clone, Default, Deserialize)]
         #[serde(rename = "Scene", default, deny_unknown_fields)]
         pub(super) struct ScenePart {
@@ -109,7 +109,7 @@ macro_rules! part {
         }
 
         impl ScenePart {
-            /// Takes over every field that `other` gives.
+            /// Replaces every field that `other` gives.
             pub fn take_over(&mut self, other: ScenePart) {
                 $(if other.$field.is_some() {
                     self.$field = other.$field;
@@ -147,7 +147,7 @@ part! {
 }
 
 impl ScenePart {
-    /// Returns one complete scene per object. An object without a name gets `name`.
+    /// Returns one complete scene per object. An object without a name is named `name`.
     ///
     /// # Errors
     /// Returns the name of the first missing field.

@@ -1,4 +1,4 @@
-//! Reading of the text of a scene file, with the reason if it fails.
+//! Reads the text of a scene file, with the reason for a failure.
 
 use crate::error::{Error, Result};
 pub use crate::files::include::SIZE_LIMIT;
@@ -7,14 +7,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Returns true for what the process has open already: `-` and `/dev/stdin`, and the `/dev/fd/N` that a shell writes for `<(...)`. It
-/// has no folder.
+/// Returns true for a stream that the process already has open: `-`, `/dev/stdin`, and `/dev/fd/N`, by which a shell
+/// passes `<(...)`. A stream has no folder.
 pub(super) fn is_stream(path: &Path) -> bool {
     let open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
     path == Path::new("-") || (cfg!(unix) && open.iter().any(|folder| path.starts_with(folder)))
 }
 
-/// Returns the name of a scene file in messages.
+/// Returns the path of a scene file as shown in messages.
 pub(super) fn shown(path: &Path) -> &Path {
     if path == Path::new("-") { Path::new("<stdin>") } else { path }
 }
@@ -26,7 +26,7 @@ fn open(path: &Path, may_stream: bool) -> Result<Box<dyn Read>> {
         return Ok(Box::new(std::io::stdin()));
     }
     let unopened = |e: std::io::Error| Error::system(path, format!("cannot be opened: {}", reason(&e)), e.kind());
-    // A fifo may block for ever, a device may never end.
+    // Opening a FIFO may block forever, and reading a device may never end.
     let meta = path.metadata().map_err(unopened)?;
     if let Some(kind) = other_kind(&meta).filter(|_| !streams) {
         return Err(Error::system(path, format!("is {kind}, not a scene file"), refusal(&meta)));
@@ -34,12 +34,12 @@ fn open(path: &Path, may_stream: bool) -> Result<Box<dyn Read>> {
     Ok(Box::new(File::open(path).map_err(unopened)?))
 }
 
-/// Reads a text of at most [`SIZE_LIMIT`] bytes, from a regular file or, if it `may_stream`, from what is open already; each failure is one
-/// message that names the file.
+/// Reads a text of at most [`SIZE_LIMIT`] bytes from a regular file or, if it `may_stream`, from an open stream; every
+/// error message names the file.
 pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
     let file = open(path, may_stream)?;
     let mut bytes = Vec::new();
-    // one byte more than allowed tells too large from just fitting, also for files that grow
+    // one byte more than allowed distinguishes too large from just fitting, also for a growing file
     let read = file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes);
     read.or_else(|e| fail(path, format!("cannot be read: {}", reason(&e))))?;
     if bytes.len() as u64 > SIZE_LIMIT {
@@ -56,7 +56,7 @@ pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
             return fail(path, format!("is not UTF-8 text (line {line}, byte offset {good}); a scene is RON text"));
         }
     };
-    // editors on Windows may put a byte order mark first
+    // editors on Windows may write a byte order mark
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 

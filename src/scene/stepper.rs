@@ -1,20 +1,20 @@
-//! Backend that advances the scene from one recorded frame to the next.
+//! Backend that computes the recorded frames of a scene.
 
 use super::defaults;
 use super::leaf::{Count, Length, Positive, Ratio};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Names of the models that ship with tactus; `./NAME` is always a folder, a plain name never is.
+/// Names of the models shipped with tactus. Only a plain name denotes a shipped model; `./NAME` is always a folder.
 pub const SHIPPED_MODELS: [&str; 1] = ["universe"];
 
 /// Choice of the backend.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Stepper")]
 pub enum StepperChoice {
-    /// Finite elements: the reference.
+    /// Finite element method: the reference.
     Fem(Fem),
-    /// Trained network.
+    /// Trained graph neural network.
     Gnn(Gnn),
 }
 
@@ -30,30 +30,34 @@ impl Default for StepperChoice {
 pub struct Fem {
     /// Shape functions of a tetrahedron.
     pub element: Element,
-    /// Constant dilatation within each element, which avoids volumetric locking near nu = 0.5.
+    /// Flag: mean dilatation (constant within each element), which avoids volumetric locking near nu = 0.5.
     pub mean_dilatation: bool,
-    /// Unknowns of the solver: all nodes, or those that can touch.
+    /// Unknowns of the solver: all nodes, or the nodes that can come into contact.
     pub solver: Solver,
-    /// Finer mesh on which the pads are simulated; None is that of the pads. A data set then has the results of the finer mesh at the nodes
-    /// of the pads, so that a network on these learns what the finer mesh knows. A run shows the finer mesh.
+    /// Finer mesh on which the pads are simulated; None is the mesh of `gripper.pads`. A data set then stores the
+    /// solution of the finer mesh at the nodes of the mesh of `gripper.pads`, so that a network on the coarse mesh
+    /// learns the finer solution. A run records the finer mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<FinerMesh>,
-    /// Tolerances of a solved increment.
+    /// Convergence tolerances of an increment.
     pub tolerance: Tolerance,
-    /// Error that the increments of the load may cause where friction lets the answer depend on them, over the displacement: it sets the
-    /// number of increments, whatever the number of frames.
+    /// Tolerance of the path error: relative error of the displacement due to the finite size of the load increments,
+    /// because friction makes the solution path-dependent. It determines the number of increments, independent of the
+    /// number of frames.
     pub path: Positive,
     /// Largest number of Newton iterations before an increment is halved.
     pub max_iterations: Count<1, 10000>,
-    /// Largest number of Newton iterations of a whole grasp, or of a step of an agent; a longer one ends as a fault, on every machine
-    /// alike. None follows from `max_iterations` and the number of frames, and ends what would not end by itself; that of a step of an agent
-    /// is ten times `max_iterations`, because all environments of a batch wait for it.
+    /// Largest number of Newton iterations of a grasp, or of a step of an agent; above it, the grasp ends as a fault,
+    /// on every machine alike. None is a limit from `max_iterations` and the number of frames that only stops a grasp
+    /// that does not converge; for a step of an agent it is ten times `max_iterations`, because all environments of a
+    /// batch wait for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effort: Option<Count<1, 1000000>>,
-    /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine. None is no limit.
+    /// Limit of the wall time of a grasp, s; above it, the grasp ends as a fault. Which grasps it affects depends on
+    /// the machine. None is no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_time: Option<Positive>,
-    /// Number of threads; None takes as many as the machine has.
+    /// Number of threads; None takes all threads of the machine.
     pub threads: Option<Count<1, 1024>>,
 }
 
@@ -78,9 +82,9 @@ impl Default for Fem {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FinerMesh {
-    /// Spacing of the pads over that of the finer mesh.
+    /// Ratio of the mesh spacing of the pads to that of the finer mesh.
     pub finer: Positive,
-    /// Width of its cells at the rim over those at the centre; 1 is uniform.
+    /// Ratio of the cell widths at the rim and at the centre of the finer mesh; 1 is uniform.
     #[serde(default = "defaults::pad_focus")]
     pub focus: Ratio,
 }
@@ -88,9 +92,9 @@ pub struct FinerMesh {
 /// Shape functions of a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Element {
-    /// Linear shape functions with 4 nodes: cheap, but they lock.
+    /// Linear shape functions, 4 nodes: cheap, but subject to locking.
     Linear,
-    /// Quadratic shape functions with 10 nodes: edge midpoints are inserted.
+    /// Quadratic shape functions, 10 nodes: nodes at the edge midpoints are added.
     #[default]
     Quadratic,
 }
@@ -98,18 +102,20 @@ pub enum Element {
 /// Unknowns of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum Solver {
-    /// All nodes at once: the reference.
+    /// All nodes: the reference.
     #[default]
     Full,
-    /// Nodes that can touch, with the others eliminated: fast, with an error. Not for dynamic scenes.
+    /// The nodes that can come into contact; all others are eliminated (static condensation): fast, with an additional
+    /// error. Not for dynamic scenes.
     Condensed(Condensed),
 }
 
-/// Pads condensed onto the nodes that can touch.
+/// Pads condensed onto the nodes that can come into contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Condensed {
-    /// Accepted error: change of the displacement by one more correction of the whole pad, over the displacement.
+    /// Tolerance of the condensation: change of the displacement by one more correction with the full pad model, over
+    /// the displacement.
     pub error: Positive,
 }
 
@@ -119,13 +125,14 @@ impl Default for Condensed {
     }
 }
 
-/// Tolerances of a solved increment; both must be met.
+/// Convergence tolerances of an increment; both must be met.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tolerance {
     /// Residual force over the force of the loading.
     pub force: Positive,
-    /// Largest Newton step of any node, m; by default [`DISPLACEMENT_TOLERANCE`](crate::scales::DISPLACEMENT_TOLERANCE) of the contact offset.
+    /// Largest displacement of any node in the last Newton step, m; by default
+    /// [`DISPLACEMENT_TOLERANCE`](crate::scales::DISPLACEMENT_TOLERANCE) of the contact offset.
     pub displacement: Option<Length>,
 }
 
@@ -136,7 +143,7 @@ impl Default for Tolerance {
 }
 
 impl StepperChoice {
-    /// Returns the model of a network.
+    /// Returns the model of the network; None for finite elements.
     pub fn model(&self) -> Option<&Path> {
         match self {
             StepperChoice::Gnn(gnn) => Some(&gnn.model),
@@ -144,7 +151,7 @@ impl StepperChoice {
         }
     }
 
-    /// Returns true if the scene asks a network to answer outside the range of its training.
+    /// Returns true if the scene allows a network to answer outside the range of its training.
     pub fn extrapolates(&self) -> bool {
         matches!(self, StepperChoice::Gnn(gnn) if gnn.extrapolate)
     }
@@ -154,19 +161,21 @@ impl StepperChoice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gnn {
-    /// Folder of the trained model, or the name of the one that ships: `universe`.
+    /// Folder of the trained model, or the name of the shipped model: `universe`.
     pub model: PathBuf,
-    /// Largest error of the displacement that is accepted. Where nine of ten such predictions are not that good, and where the network was
-    /// not trained for the scene, condensed finite elements compute the grasp. None takes every prediction.
+    /// Largest accepted relative error of the displacement. A grasp is computed by condensed finite elements instead if
+    /// the 90 % error bound predicted by the network is larger, or if the network was not trained for the scene. None
+    /// accepts every prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_at_most: Option<Positive>,
-    /// Answers outside the range of the training, where the error is unknown, in place of a refusal.
+    /// Flag: the network also answers outside the range of its training, where its error is unknown, instead of a
+    /// refusal.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub extrapolate: bool,
 }
 
 impl Gnn {
-    /// Creates the backend with a model; scenes outside its range are refused.
+    /// Creates the backend with a model; scenes outside the range of its training are refused.
     pub fn new(model: impl Into<PathBuf>) -> Self {
         Self { model: model.into(), error_at_most: None, extrapolate: false }
     }

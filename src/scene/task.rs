@@ -14,37 +14,38 @@ use serde::{Deserialize, Serialize};
 /// Range from the smallest to the largest value.
 pub type Span = Tuple<Positive, 2>;
 
-/// Task of an agent. An episode closes the hand on the object, which lies on a support, squeezes with `start`, and
-/// withdraws the support in `lift` steps; pushes may follow. Loads act on the object's centre of mass; their part along
-/// the closing direction is carried by the gearing of the fingers, not by the pads.
+/// Task of an agent. In an episode the hand closes on the object, which lies on a support, and squeezes with the force
+/// `start`; the support is then withdrawn in `lift` steps, after which pushes may follow. Loads act at the object's
+/// centre of mass; their component along the closing direction is carried by the gearing of the fingers and not applied
+/// to the pads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Task {
     /// Gravity in the world, which is the object frame at the start of each grasp, m/s2; None is no gravity.
     pub gravity: Option<Vec3>,
-    /// Range of the sum of the finger forces that the agent may ask for, N.
+    /// Allowed range of the sum of the finger forces, N.
     pub force: Span,
     /// Sum of the finger forces at the start of an episode, N.
     pub start: Positive,
-    /// Meaning of the first number of an action.
+    /// Meaning of the first component of an action.
     pub control: Control,
-    /// Largest turn of the wrist about the closing direction per step, degrees; None keeps the wrist fixed.
+    /// Largest rotation of the wrist about the closing direction per step, degrees; None keeps the wrist fixed.
     pub twist_deg: Option<Positive>,
-    /// New grasp in every step, after the hand has opened; None keeps the first grasp.
+    /// Regrasp in every step: the hand opens and closes at a new pose; None keeps the first grasp.
     pub regrasp: Option<Regrasp>,
-    /// Number of steps after which an episode is cut off.
+    /// Number of steps after which an episode is truncated.
     pub steps: Count<1, 10000>,
-    /// Number of steps in which the support is withdrawn.
+    /// Number of steps in which the support is withdrawn: the weight that acts on the object rises linearly.
     pub lift: Count<1, 10000>,
-    /// Pushes against the object; None is no pushes.
+    /// Pushes on the object; None is no pushes.
     pub pushes: Option<Pushes>,
-    /// Distance that the object slides over the pads at which it counts as lost, m.
+    /// Accumulated slip of the object on the pads above which the object counts as lost, m.
     pub slip_limit: Length,
     /// Observations of the agent.
     pub observe: Vec<Observe>,
-    /// Terms of the reward, which are added up.
+    /// Terms of the reward, which are summed.
     pub reward: Vec<Reward>,
-    /// Quantities that differ between episodes.
+    /// Domain randomisation: quantities drawn for each episode.
     pub randomise: Randomise,
 }
 
@@ -68,54 +69,55 @@ impl Default for Task {
     }
 }
 
-/// Meaning of the first number of an action, -1 to 1.
+/// Meaning of the first component of an action, -1 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub enum Control {
-    /// Force itself, from the smallest to the largest.
+    /// Force: -1 is the smallest allowed force, 1 the largest.
     #[default]
     Force,
-    /// Change of the force, at most this many newtons per step.
+    /// Change of the force per step, N: the component times this value.
     Rate(Positive),
 }
 
-/// Largest distance of a new grasp from the first one, set by three numbers of an action.
+/// Largest deviation of a new grasp from the first one; three components of an action set the actual values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Regrasp {
-    /// Shift along the finger width and along the approach, m.
+    /// Displacement along the finger width and along the approach, m.
     pub shift: Length,
-    /// Turn about the closing direction, degrees.
+    /// Rotation about the closing direction, degrees.
     pub turn_deg: Positive,
 }
 
-/// Pushes one after the other, in random directions across the closing direction; each rises and falls as half a sine.
+/// Pushes at regular intervals, each in a random direction perpendicular to the closing direction; the force of each
+/// follows half a sine wave in time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pushes {
-    /// Range of the largest force of a push, N.
+    /// Range of the peak force of a push, N.
     pub force: Span,
-    /// Number of steps from push to push.
+    /// Number of steps from the start of a push to the start of the next.
     pub every: Count<1, 10000>,
-    /// Number of steps that a push lasts.
+    /// Duration of a push, in steps.
     pub lasts: Count<1, 10000>,
 }
 
-/// Quantities that differ between episodes, drawn by (seed, environment, episode). The object is drawn from the objects
+/// Quantities drawn for each episode, determined by (seed, environment, episode). The object is drawn from the objects
 /// of the scene, the grasp from the grasps of the object.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Randomise {
-    /// Range of the factor on Young's modulus of the gel.
+    /// Range of a factor on Young's modulus of the gel.
     pub young: Option<Span>,
     /// Range of the coefficient of friction.
     pub friction: Option<Span>,
-    /// Number of pairs of the two that are prepared per object, to draw from.
+    /// Number of pairs of Young's modulus and friction that are prepared for each object; episodes draw from these.
     pub variants: Count<1, 1000>,
     /// Range of the density of the object, kg/m3.
     pub density: Option<Span>,
-    /// Largest shift of the hand across the closing direction, m.
+    /// Largest displacement of the hand along the finger width and along the approach, m.
     pub shift: Depth,
-    /// Largest turn of the hand about any axis through the pads' middle, degrees.
+    /// Largest rotation of the hand about a random axis through the point midway between the pads, degrees.
     pub turn_deg: NonNegative,
 }
 
@@ -133,14 +135,14 @@ impl Default for Randomise {
 }
 
 impl Tuple<Positive, 2> {
-    /// Returns the number at `part` (0..1) of the way.
+    /// Returns the linear interpolation at `part` (0..1) of the range.
     pub fn at(self, part: f64) -> f64 {
         let [low, high] = self.0.map(Positive::get);
         low + part * (high - low)
     }
 }
 
-/// Returns the first value that does not fit, as field and message.
+/// Returns the first invalid value, as field and message.
 pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     let task = scene.task.as_ref()?;
     let field = |name: &str, message: &str| Some((format!("task{name}"), message.to_string()));

@@ -1,4 +1,4 @@
-//! Vectors: `(x, y, z)` and `[x, y, z]` are the same.
+//! Vectors, written `(x, y, z)` or `[x, y, z]`.
 
 use super::leaf::{Count, Finite, Length};
 use glam::DVec3;
@@ -41,7 +41,7 @@ impl Vec3 {
 }
 
 impl Direction {
-    /// Returns the direction with length one.
+    /// Returns the unit vector.
     pub fn unit(self) -> DVec3 {
         self.0.dvec3().normalize()
     }
@@ -103,7 +103,7 @@ impl<T: Serialize, const N: usize> Serialize for Tuple<T, N> {
 
 impl<'de, T: DeserializeOwned + Copy, const N: usize> Deserialize<'de> for Tuple<T, N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        // `deserialize_any` is what lets both brackets in: a tuple takes only `(`, a sequence only `[`
+        // `deserialize_any` accepts both brackets: `deserialize_tuple` accepts only `(`, `deserialize_seq` only `[`
         deserializer.deserialize_any(TupleVisitor(PhantomData))
     }
 }

@@ -1,14 +1,14 @@
-//! Motion that squeezes.
+//! Motion that changes the squeezing force.
 
 use super::{HandState, Play, Stage};
 use crate::scene::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 
-/// Brings the squeezing force evenly to `force`, which stays until the next `Close`.
+/// Changes the squeezing force linearly in time to `force`, which is kept until the next `Close`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Close {
-    /// Force at the end, N: the sum over the fingers. Zero releases the object.
+    /// Final force, N: the sum over the fingers. Zero releases the object.
     pub force: NonNegative,
     /// Duration, s.
     pub duration: Seconds,

@@ -1,10 +1,10 @@
-//! Motion that waits.
+//! Motion that keeps the hand in place.
 
 use super::{HandState, Play, Stage};
 use crate::scene::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 
-/// Keeps the hand in place, with its present force.
+/// Keeps the hand in place, with its present squeezing force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {

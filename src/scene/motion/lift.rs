@@ -1,4 +1,4 @@
-//! Motion upwards.
+//! Motion against gravity.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};

@@ -1,4 +1,4 @@
-//! Motions of the hand in a dynamic scene: one file per motion, played one after the other.
+//! Motions of the hand in a dynamic scene, executed one after the other: one file per motion.
 //!
 //! To add a motion, write one file with a struct that implements [`Play`] and one line in `motions!`.
 
@@ -57,11 +57,11 @@ pub struct Stage {
 pub trait Play {
     /// Returns the duration, s.
     fn duration(&self) -> f64;
-    /// Returns the state of the hand after `time` (0 to the duration, s) of a motion that began at `start`.
+    /// Returns the state of the hand at `time` (0 to the duration, s) after the start of the motion from `start`.
     fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState;
-    /// Enters the end (s) and the force (N) of every squeeze of a motion that begins at `begin` (s).
+    /// Adds to `found` the end time (s) and the force (N) of every squeeze of a motion that begins at `begin` (s).
     fn squeezes(&self, _begin: f64, _found: &mut Vec<(f64, f64)>) {}
-    /// Returns true if the motion goes against gravity.
+    /// Returns true if the direction of the motion is defined by gravity.
     fn needs_gravity(&self) -> bool {
         false
     }
@@ -77,7 +77,7 @@ macro_rules! motions {
         }
 
         impl Motion {
-            /// Returns the trait object that plays the motion.
+            /// Returns the motion as a trait object.
             pub fn play(&self) -> &dyn Play {
                 match self {
                     $(Motion::$name(motion) => motion,)*
@@ -90,27 +90,27 @@ macro_rules! motions {
 motions! {
     /// Changes the squeezing force.
     Close,
-    /// Moves up, against gravity.
+    /// Moves the hand against gravity.
     Lift,
-    /// Moves by a vector.
+    /// Moves the hand by a vector.
     Move,
-    /// Does nothing.
+    /// Keeps the hand in place.
     Hold,
-    /// Oscillates along a direction.
+    /// Oscillates the hand along a direction.
     Shake,
-    /// Turns about an axis through the middle between the pads.
+    /// Rotates the hand about an axis through the point midway between the pads.
     Rotate,
-    /// Plays motions several times.
+    /// Repeats motions several times.
     Repeat,
 }
 
-/// Duration of motions played one after the other, s.
+/// Returns the total duration of motions executed one after the other, s.
 pub fn duration(motions: &[Motion]) -> f64 {
     motions.iter().map(|m| m.play().duration()).sum()
 }
 
-/// Returns the state of the hand `time` (s) after it began to play `motions` at `start`; after their end, the state at
-/// the end.
+/// Returns the state of the hand at `time` (s) after the start of `motions` from `start`; after their end, the final
+/// state.
 pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -> HandState {
     let (mut hand, mut rest) = (*start, time);
     for motion in motions {
@@ -125,7 +125,7 @@ pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -
     hand
 }
 
-/// Returns the ends (s) and forces (N) of all squeezes.
+/// Returns the end times (s) and forces (N) of all squeezes.
 pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
     let (mut found, mut begin) = (Vec::new(), 0.0);
     for motion in motions {
@@ -135,7 +135,7 @@ pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
     found
 }
 
-/// Rises from 0 to 1 with no velocity and no acceleration at either end (minimum jerk: Flash & Hogan 1985, equation 2).
+/// Rises from 0 to 1 with zero velocity and acceleration at both ends (minimum jerk: Flash & Hogan 1985, equation 2).
 fn smooth(s: f64) -> f64 {
     let s = s.clamp(0.0, 1.0);
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)

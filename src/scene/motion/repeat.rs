@@ -4,7 +4,7 @@ use super::{HandState, Motion, Play, Stage, duration, follow, squeezes};
 use crate::scene::leaf::Count;
 use serde::{Deserialize, Serialize};
 
-/// Plays motions one after the other, several times.
+/// Executes a sequence of motions several times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Repeat {

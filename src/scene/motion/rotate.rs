@@ -1,4 +1,4 @@
-//! Motion that turns the hand.
+//! Rotation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Finite, Seconds};
@@ -6,13 +6,13 @@ use crate::scene::vector::Direction;
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
-/// Turns the hand about an axis through the middle between the pads, starting and ending at rest.
+/// Rotates the hand about an axis through the point midway between the pads, starting and ending at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rotate {
     /// Angle, degrees, right-handed.
     pub angle_deg: Finite,
-    /// Axis in hand axes, of any length: (1, 0, 0) is the closing direction, (0, 0, 1) the approach.
+    /// Axis in the hand frame, of any nonzero length: (1, 0, 0) is the closing direction, (0, 0, 1) the approach.
     pub axis: Direction,
     /// Duration, s.
     pub duration: Seconds,
@@ -26,7 +26,7 @@ impl Play for Rotate {
     fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
         let rotation = (start.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
-        // The middle between the pads stays where it is.
+        // The point midway between the pads is the centre of rotation.
         let position = start.to_world(stage.center) - rotation * stage.center;
         HandState { position, rotation, ..*start }
     }

@@ -1,4 +1,4 @@
-//! Motion to and fro.
+//! Oscillation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::{Length, Positive, Seconds};
@@ -6,8 +6,8 @@ use crate::scene::vector::Direction;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Moves the hand by `amplitude sin(2 pi frequency t)` along a direction. The amplitude fades in and out over the first
-/// and the last period (at most half of the duration each), so that the motion starts and ends at rest.
+/// Moves the hand by `amplitude sin(2 pi frequency t)` along a direction. The amplitude rises smoothly over the first
+/// period and falls over the last (at most half of the duration each), so that the motion starts and ends at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shake {
@@ -15,7 +15,7 @@ pub struct Shake {
     pub amplitude: Length,
     /// Frequency, Hz.
     pub frequency: Positive,
-    /// Direction in world axes, of any length.
+    /// Direction in the world frame, of any nonzero length.
     pub direction: Direction,
     /// Duration, s.
     pub duration: Seconds,

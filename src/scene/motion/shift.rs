@@ -1,4 +1,4 @@
-//! Motion to another place.
+//! Translation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
 use crate::scene::leaf::Seconds;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Move {
-    /// Displacement in world axes, m.
+    /// Displacement in the world frame, m.
     pub by: Vec3,
     /// Duration, s.
     pub duration: Seconds,

@@ -1,8 +1,9 @@
-//! Objects, pads and loads drawn at random, for data sets that a network of any of them learns from. An alternative to `objects`.
+//! Objects, pads and loads drawn at random, for data sets from which a network for arbitrary objects learns. An
+//! alternative to `objects`.
 //!
-//! Every object has friction and loads of its own, and one of some sensors, which are pads with their gel: a network solves once for the
-//! response of each. All follows from the seed and the number of the object alone: a data set of more objects begins with those of a
-//! smaller one.
+//! Each object has its own friction and loads, and one of a limited number of sensors (pads with their gel), because a
+//! network computes the response of each sensor once. All values follow from the seed and the index of the object: a
+//! data set begins with the objects of any smaller data set of the same seed.
 
 mod pad;
 mod shape;
@@ -22,7 +23,7 @@ use serde::{Deserialize, Serialize};
 pub use pad::PadSpans;
 pub use shape::Family;
 
-/// Objects, pads and loads drawn at random. Parts are fractions of the objects, 0 to 1.
+/// Objects, pads and loads drawn at random. Fractions are from 0 to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Universe {
@@ -32,35 +33,35 @@ pub struct Universe {
     pub grasps: Count<1, 1000>,
     /// Seed; the same seed gives the same objects.
     pub seed: u64,
-    /// Number of different sensors: pads with their gel.
+    /// Number of different sensors (pads with their gel).
     pub sensors: Count<1, 10000>,
-    /// Families of shapes, each as often as the others.
+    /// Families of shapes, used equally often.
     pub families: Vec<Family>,
-    /// Range of the widths of objects over the thickness of the pads, drawn with equal chance per factor; an object never fills more than
-    /// half of the open hand.
+    /// Range of the object width over the pad thickness, log-uniform; the width is limited to half of the gripper's
+    /// opening.
     pub size: Span,
-    /// Range of the coefficient of friction.
+    /// Range of the coefficient of friction, uniform.
     pub friction: Span,
-    /// Range of Poisson's ratio of the gel; its distance to one half is drawn with equal chance per factor: what a pad does depends on that.
+    /// Range of Poisson's ratio nu of the gel; 0.5 - nu is log-uniform, because it determines the compressibility.
     pub poisson: Span,
     /// Pads.
     pub pads: PadSpans,
-    /// Range of the last force on a finger over E t^2, with the thickness t of the pad.
+    /// Range of the final force per finger over E t^2, with Young's modulus E and pad thickness t, uniform.
     pub force: Span,
-    /// Range of the force on a finger over E t^2 at which an object without weight is let go, drawn with equal chance per factor. One with
-    /// weight is let go as soon as friction holds it.
+    /// Range of the force per finger over E t^2 at which an object without weight is released, log-uniform. An object
+    /// with weight is released as soon as friction can hold it.
     pub release: Span,
-    /// Part of the objects whose grasps meet faces and axes squarely, of the families that have any.
+    /// Fraction of the objects, of families with faces or axes, that are grasped perpendicular to the faces or axes.
     pub square: NonNegative,
-    /// Part of the objects with weight, in any direction.
+    /// Fraction of the objects with weight, in a random direction.
     pub heavy: NonNegative,
-    /// Largest weight over the last sum of the finger forces; never more than two fifths of what friction holds.
+    /// Largest weight over the final sum of the finger forces; limited to two fifths of the friction limit.
     pub weight: Positive,
-    /// Part of the objects that are pushed and twisted after the squeeze, in two fifths of the frames.
+    /// Fraction of the objects to which a push and a torque are applied after the squeeze, in two fifths of the frames.
     pub pushed: NonNegative,
-    /// Largest push and twist over what friction holds, about.
+    /// Largest push and torque over the friction limit, approximately.
     pub push: Positive,
-    /// Part of the objects that are fixed, with one finger that presses on them.
+    /// Fraction of the objects that are fixed and pressed by one finger.
     pub single: NonNegative,
 }
 
@@ -88,58 +89,58 @@ impl Default for Universe {
     }
 }
 
-/// Gravity by which weights become densities, m/s2.
+/// Standard gravity, by which weights are converted to densities, m/s2.
 const GRAVITY: f64 = 9.81;
-/// Largest weight over what friction holds: at the last force, and at the force from which on the fingers hold it.
+/// Largest weight over the friction limit: at the final force, and at the force at which the object is released.
 const HELD: [f64; 2] = [0.4, 0.45];
-/// Part of the frames of a push.
+/// Fraction of the frames that belong to the push.
 const PUSH_FRAMES: f64 = 0.4;
-/// Torque that friction holds about the closing direction, over the force that it holds and the thickness of the pads: that of a round
-/// contact with a radius of 0.6 thicknesses, evenly pressed.
+/// Friction limit of the torque about the closing direction over the friction limit of the force and the pad thickness:
+/// that of a circular contact with a radius of 0.6 thicknesses under uniform pressure.
 const TWIST: f64 = 0.4;
-/// Largest width of an object over the opening of the hand.
+/// Largest width of an object over the opening of the gripper.
 const WIDEST: f64 = 0.5;
-/// Largest angle of square grasps to the normals, degrees.
+/// Largest angle between the closing axis and the normals in perpendicular grasps, degrees.
 const SQUARE: f64 = 1e-3;
 
-/// Streams of random numbers: of objects, of sensors.
+/// Streams of random numbers for objects and for sensors.
 const OBJECTS: u64 = 0;
 const SENSORS: u64 = 1;
 
-/// Draws in ranges.
+/// Random draws from ranges.
 struct Draws(Random);
 
 impl Draws {
-    /// Draws between two values.
+    /// Draws uniformly between two values.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.unit()
     }
 
-    /// Draws in a range.
+    /// Draws uniformly from a range.
     fn within(&mut self, span: &Span) -> f64 {
         self.between(span.0[0].get(), span.0[1].get())
     }
 
-    /// Draws in a range with equal chance per factor.
+    /// Draws log-uniformly from a range.
     fn factor(&mut self, span: &Span) -> f64 {
         self.between(span.0[0].get().ln(), span.0[1].get().ln()).exp()
     }
 
-    /// Returns true for a part of all draws.
+    /// Returns true with probability `part`.
     fn is_in(&mut self, part: f64) -> bool {
         self.0.unit() < part
     }
 }
 
-/// Returns a number with six digits, as somebody would write it.
+/// Returns the value rounded to six significant digits, so that its decimal form is short.
 fn written(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.abs().max(f64::MIN_POSITIVE).log10().floor() - 5.0);
-    // Division by a power of ten gives the nearest double.
+    // Division by an integer power of ten gives the double nearest to the decimal number.
     if unit < 1.0 { (value / unit).round() / (1.0 / unit).round() } else { (value / unit).round() * unit }
 }
 
 impl Universe {
-    /// Returns the first field that does not fit, with the message for the user.
+    /// Returns the first invalid field, with the message for the user.
     pub(super) fn problem(&self) -> Option<(String, String)> {
         let pads = &self.pads;
         let spans = [
@@ -169,13 +170,13 @@ impl Universe {
         above.and_then(|(name, _)| field(name, "a part of the objects\nallowed: 0 to 1"))
     }
 
-    /// Returns the objects with their grasps, grippers and loads; all that is not drawn is that of `gripper`, and there are as many
-    /// frames as in `squeeze`.
+    /// Returns the objects with their grasps, grippers and loads. Everything that is not drawn is taken from `gripper`;
+    /// the number of frames is that of `squeeze`.
     pub(super) fn entries(&self, gripper: &Gripper, squeeze: &Squeeze) -> Vec<Entry> {
         (0..self.objects.get()).map(|i| self.entry(i, gripper, squeeze)).collect()
     }
 
-    /// Returns the draws of number `index` of a stream.
+    /// Returns the random numbers for item `index` of a stream.
     fn draws(&self, stream: u64, index: usize) -> Draws {
         let words = [self.seed, stream, index as u64];
         Draws(Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits())))
@@ -184,7 +185,8 @@ impl Universe {
     fn entry(&self, index: usize, gripper: &Gripper, squeeze: &Squeeze) -> Entry {
         let mut draws = self.draws(OBJECTS, index);
         let family = self.families[index % self.families.len()];
-        // Whatever the seed: data sets of several seeds share their sensors, whose responses are found once.
+        // Sensors do not depend on the seed: data sets of several seeds share their sensors, whose responses are
+        // computed once.
         let mut sensor = Self { seed: 0, ..self.clone() }.draws(SENSORS, draws.0.below(self.sensors.get()));
         let (pads, thickness) = self.pads.draw(&mut sensor);
         let [low, high] = [0, 1].map(|k| (0.5 - self.poisson.0[k].get()).ln());
@@ -238,14 +240,14 @@ impl Universe {
             })),
             gripper: Some(Gripper {
                 pads,
-                // Within the range of the leaf by the checks of the spans.
+                // `problem` has checked that the values are in the range of the material.
                 material: gripper.material.with(spec.young, poisson).unwrap_or(gripper.material),
                 friction: NonNegative::preset(friction),
                 fingers: if single { Fingers::One } else { gripper.fingers },
                 ..gripper.clone()
             }),
             loading: Some(Loading::Squeeze(Squeeze {
-                // One finger carries all of it, two a half each.
+                // One finger carries the whole force, each of two fingers one half.
                 force: Positive::preset(if single { 0.5 * force } else { force }),
                 from: first,
                 release: (!single).then(|| Positive::preset(release)),
@@ -257,7 +259,7 @@ impl Universe {
     }
 }
 
-/// Draws gravity in a direction that is uniform on the sphere, m/s2.
+/// Draws gravity with a direction uniform on the sphere, m/s2.
 fn direction(draws: &mut Draws) -> Vec3 {
     let (z, angle) = (draws.between(-1.0, 1.0), draws.between(0.0, std::f64::consts::TAU));
     let r = (1.0 - z * z).max(0.0).sqrt();
@@ -265,8 +267,9 @@ fn direction(draws: &mut Draws) -> Vec3 {
     Tuple(along.map(|v| super::leaf::Finite::preset(written(GRAVITY * v))))
 }
 
-/// Draws force, N, and torque, N m, of a push across the closing direction and about it, and a tilt, which are the `part` of what friction
-/// holds (N) between pads of a thickness, m (limit surface of Howe and Cutkosky 1996).
+/// Draws the force, N, and torque, N m, of a push: a force perpendicular to the closing direction and a torque about
+/// it, of the fraction `part` of the friction limit `holds` (N) between pads of a thickness, m (limit surface of Howe
+/// and Cutkosky 1996), and a torque perpendicular to the closing direction.
 fn push(part: f64, holds: f64, thickness: f64, draws: &mut Draws) -> (Vec3, Vec3) {
     let [across, kind, about] = [(); 3].map(|()| draws.between(0.0, std::f64::consts::TAU));
     let (force, torque) = (part * holds * kind.cos(), part * holds * TWIST * thickness);

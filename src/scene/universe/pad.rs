@@ -8,22 +8,23 @@ use crate::scene::task::Span;
 use crate::scene::vector::Tuple;
 use serde::{Deserialize, Serialize};
 
-/// Ranges of pads. Boxes are what is neither round nor domed.
+/// Ranges of pads. Pads that are neither round nor domed are boxes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PadSpans {
-    /// Range of the length along the approach, m, at most nine times the thickness; the diameter of a round pad lies amid length and width.
+    /// Range of the length along the approach, m, uniform; limited to nine thicknesses. The diameter of a round pad is
+    /// the geometric mean of length and width.
     pub length: Span,
-    /// Range of the width, m.
+    /// Range of the width, m, uniform; limited to nine thicknesses.
     pub width: Span,
-    /// Range of the thickness, m, drawn with equal chance per factor.
+    /// Range of the thickness, m, log-uniform.
     pub thickness: Span,
-    /// Range of the number of cells of the sensing face, drawn with equal chance per factor; a cell is a third to seven tenths as wide as
-    /// the pad is thick.
+    /// Range of the number of cells of the sensing face, log-uniform; the cell width is limited to between 1/3 and 0.7
+    /// of the pad thickness.
     pub cells: Span,
-    /// Part of the objects with round pads.
+    /// Fraction of the objects with round pads.
     pub round: NonNegative,
-    /// Part of the objects with the domed gel of a GelSight Mini.
+    /// Fraction of the objects with the domed gel of a GelSight Mini.
     pub domed: NonNegative,
 }
 
@@ -42,11 +43,11 @@ impl Default for PadSpans {
 
 /// Largest number of layers of cells from the sensing face to the finger.
 const LAYERS: f64 = 3.0;
-/// Largest width of a cell over the thickness: a coarser mesh does not see what touches it.
+/// Largest width of a cell over the thickness: a coarser mesh does not resolve the contact.
 const COARSEST: f64 = 0.7;
 /// Largest length and width of a pad over its thickness.
 const FLATTEST: f64 = 9.0;
-/// Distance of the nodes of a round pad over the width of a cell of a box: a disc is divided into triangles.
+/// Node spacing of a round pad over the cell width of a box: a disc is meshed with triangles.
 const ROUND: f64 = 1.4;
 /// Length, width and thickness of the gel of a GelSight Mini, m.
 const GELSIGHT_MINI: [f64; 3] = [25.25e-3, 20.75e-3, 4e-3];

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// Family of shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Family {
-    /// Balls.
+    /// Spheres.
     Sphere,
     /// Boxes with sharp edges.
     Cuboid,
@@ -22,9 +22,9 @@ pub enum Family {
     Cylinder,
     /// Capsules.
     Capsule,
-    /// Prisms of three to eight sides.
+    /// Prisms with three to eight sides.
     Prism,
-    /// Cylinders with a hole.
+    /// Hollow cylinders.
     Annulus,
     /// Cups.
     Cup,
@@ -38,11 +38,11 @@ pub enum Family {
     Banana,
     /// Potatoes.
     Potato,
-    /// Bodies of revolution with a profile of several bulges, sharp or smooth.
+    /// Solids of revolution with a wavy profile or with sharp rims.
     Revolve,
 }
 
-/// Largest and smallest ratio of two extents of a shape.
+/// Smallest and largest ratio of two extents of a shape.
 const ASPECT: [f64; 2] = [1.0, 2.5];
 /// Number of points of a profile between its ends.
 const PROFILE: usize = 12;
@@ -71,7 +71,7 @@ impl Family {
         Family::Revolve,
     ];
 
-    /// Returns the name that the names of its objects begin with.
+    /// Returns the prefix of the names of its objects.
     pub fn name(self) -> &'static str {
         match self {
             Family::Sphere => "sphere",
@@ -92,13 +92,14 @@ impl Family {
         }
     }
 
-    /// Returns true if its shapes can be met squarely on faces or across axes.
+    /// Returns true if its shapes can be grasped perpendicular to faces or axes.
     pub(super) fn has_faces(self) -> bool {
         use Family::*;
         matches!(self, Sphere | Cuboid | RoundedCuboid | Cylinder | Capsule | Prism | Annulus | Cup)
     }
 
-    /// Draws a shape about as wide as `width` (m); returns it with its volume, m3, that of a smooth shape to some per cent.
+    /// Draws a shape of about the given `width` (m); returns it with its volume, m3, which for smooth shapes is
+    /// accurate to some per cent.
     pub(super) fn draw(self, width: f64, draws: &mut Draws) -> (ObjectShape, f64) {
         let mut aspect = || draws.between(ASPECT[0], ASPECT[1]);
         let (a, b, c) = (width, width * aspect(), width * aspect());
@@ -187,8 +188,8 @@ impl Family {
     }
 }
 
-/// Draws the profile of a body of revolution of the largest radius `radius` and this height (m): an ellipse with up to three waves, or a
-/// polygon with sharp rims.
+/// Draws the profile of a solid of revolution with largest radius `radius` and this height (m): an ellipse modulated by
+/// up to three waves, or a polygon with sharp rims.
 fn profile(radius: f64, height: f64, draws: &mut Draws) -> Vec<[f64; 2]> {
     let smooth = draws.is_in(0.6);
     let waves: Vec<[f64; 2]> = (1..=3).map(|_| [draws.between(-0.25, 0.25), draws.between(0.0, 2.0 * PI)]).collect();
