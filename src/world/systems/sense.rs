@@ -12,8 +12,9 @@ use glam::{DMat3, DVec3};
 
 /// Closes every finger until its pad touches the object, or says why it cannot.
 ///
-/// The fingers of a parallel gripper travel together: the one that touches first pushes a free object along until the other
-/// touches too. Without weight and with nothing else in the way that is a translation along the closing direction.
+/// The fingers of a parallel gripper travel together: the one that touches first pushes a free object along until the
+/// other touches too. Without weight and with nothing else in the way that is a translation along the closing
+/// direction.
 pub fn close_to_contact(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -96,8 +97,8 @@ fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
 /// Travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.
 ///
 /// # Errors
-/// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message says
-/// which.
+/// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message
+/// says which.
 pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: f64) -> Result<f64, String> {
     let finger = &model.fingers[index];
     let met = approach(
