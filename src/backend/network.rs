@@ -348,8 +348,8 @@ fn write_state(
     }
 }
 
-/// Lower bound of the search radius of the distance query, m. Once a node is inside, only such nodes can have a smaller
-/// gap.
+/// Lower bound of the search radius of the distance query, m. Once a node is inside, only nodes this close can have the
+/// smallest gap.
 const NEAR: f64 = 1e-9;
 
 /// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.

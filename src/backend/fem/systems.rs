@@ -264,8 +264,7 @@ pub fn measure_stress(
     }
 }
 
-/// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is turned
-/// inside out.
+/// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is inverted.
 pub fn refuse_inversion(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,

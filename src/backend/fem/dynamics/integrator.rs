@@ -35,8 +35,8 @@ pub struct Integrator {
 const SHORTEST: f64 = 1.0 / 64.0;
 /// Residual of a time step over that of a quasi-static increment: momentum errors accumulate over the steps.
 const SHARP: f64 = 1e-2;
-/// Largest motion of any point in an iteration between pads, over that of a quasi-static increment. Without pads the
-/// motion is unlimited: there is nothing to jump over.
+/// Largest motion of any point in an iteration, in a scene with pads, over that of a quasi-static increment. Without
+/// pads the motion is unlimited: there is nothing to jump over.
 const STRIDE: f64 = 2.0;
 
 impl Integrator {
