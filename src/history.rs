@@ -1,19 +1,20 @@
-//! Bytes of a state: what is written one after the other is read back in the same order, bit for bit.
+//! Serialisation of a simulation state: values are read back in the order in which they were written, bit for bit.
 
 use crate::error::{Error, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Values written one after the other.
+/// Writer of a sequence of values.
 #[derive(Debug, Clone, Default)]
 pub struct HistoryWriter {
     bytes: Vec<u8>,
-    /// Reason why a value could not be written, of the first one.
+    /// Error of the first value that could not be written.
     failed: Option<postcard::Error>,
 }
 
 impl HistoryWriter {
-    /// Writes `value`. After one that cannot be written nothing is: [`HistoryWriter::finish`] says so.
+    /// Writes `value`. After the first failure nothing more is written, and [`HistoryWriter::finish`] returns the
+    /// error.
     pub fn write(&mut self, value: &impl Serialize) {
         if self.failed.is_none() {
             match postcard::to_stdvec(value) {
@@ -23,10 +24,10 @@ impl HistoryWriter {
         }
     }
 
-    /// Returns all that was written.
+    /// Returns the bytes of all values.
     ///
     /// # Errors
-    /// Fails if a value could not be written: a sequence of unknown length, or one that refuses to be.
+    /// Fails if a value could not be written: a sequence of unknown length, or a value whose serialisation fails.
     pub fn finish(self) -> Result<Vec<u8>> {
         match self.failed {
             None => Ok(self.bytes),
@@ -35,7 +36,7 @@ impl HistoryWriter {
     }
 }
 
-/// The rest of what a [`HistoryWriter`] wrote.
+/// Reader of the bytes of a [`HistoryWriter`]; holds those not yet read.
 #[derive(Debug, Clone, Copy)]
 pub struct HistoryReader<'a>(pub &'a [u8]);
 
@@ -43,7 +44,7 @@ impl HistoryReader<'_> {
     /// Reads the next value.
     ///
     /// # Errors
-    /// Fails if the bytes are cut off or hold something else.
+    /// Fails if the bytes are truncated or do not encode a `T`.
     pub fn read<T: DeserializeOwned>(&mut self) -> Result<T> {
         let (value, rest) = postcard::take_from_bytes(self.0).map_err(|e| {
             Error::Start(format!("the saved state cannot be read: {e}; it is cut off, damaged or of another version"))
@@ -52,10 +53,10 @@ impl HistoryReader<'_> {
         Ok(value)
     }
 
-    /// Reads a value per element of `values` in their place.
+    /// Reads a sequence into `values`.
     ///
     /// # Errors
-    /// Fails as [`HistoryReader::read`] does, and for another number of values.
+    /// Fails as [`HistoryReader::read`] does, and if the number of values differs.
     pub fn read_into<T: DeserializeOwned>(&mut self, values: &mut [T]) -> Result<()> {
         let read: Vec<T> = self.read()?;
         if read.len() != values.len() {
@@ -90,7 +91,7 @@ mod tests {
         assert!(HistoryReader(&bytes).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
     }
 
-    /// Value that cannot be written.
+    /// Value whose serialisation fails.
     struct Refuses;
 
     impl Serialize for Refuses {

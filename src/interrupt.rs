@@ -1,7 +1,7 @@
-//! Stop flag of the process: long computations check it regularly, and end early with the finished part kept.
+//! Stop flag of the process: long computations poll it and end early, keeping the finished part.
 //!
-//! The command line sets it on SIGINT and SIGTERM ([`on_signals`]), the Python package on an exception of a signal
-//! handler. An unfinished grasp is dropped, never recorded as one that failed.
+//! The command line sets it on SIGINT and SIGTERM ([`on_signals`]), the Python package when a signal handler raises an
+//! exception. An unfinished grasp is discarded, never recorded as failed.
 
 use crate::error::{Error, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,43 +10,43 @@ use std::time::{Duration, Instant};
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
-/// Asks all work of this process to end.
+/// Requests that all work of this process ends.
 pub fn request() {
     REQUESTED.store(true, Ordering::SeqCst);
 }
 
-/// Returns true if work is to end.
+/// Returns true if an end was requested.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Resets the request, so that work may begin again after the interrupted work has ended.
+/// Resets the request, so that new work may begin after the interrupted work has ended.
 pub fn clear() {
     REQUESTED.store(false, Ordering::SeqCst);
 }
 
-/// Checks that work may go on.
+/// Checks that no end was requested.
 ///
 /// # Errors
-/// Returns [`Error::Interrupted`] if work is to end.
+/// Returns [`Error::Interrupted`] if an end was requested.
 pub fn check() -> Result<()> {
     if requested() { Err(Error::Interrupted("interrupted".into())) } else { Ok(()) }
 }
 
-/// Time after which an interrupted command is ended, s, if it does not check the flag.
+/// Time from a request until the process is ended, even if its work does not poll the flag, s.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// Installs handlers by which SIGINT and SIGTERM request an end, even if they were ignored when the process began, as a shell without job
-/// control has it for a command in the background; a second signal ends the process at once, with exit code
-/// `code`. `GRACE` after the first the process ends in any case, after `last_words`: files appear whole or not at all,
-/// whenever that is.
+/// Installs handlers with which SIGINT and SIGTERM request an end, even if they were ignored when the process began (a
+/// shell without job control ignores them for background commands). A second signal ends the process at once, with exit
+/// code `code`. `GRACE` after the first, the process calls `last_words` and exits in any case; files are written
+/// atomically, so this leaves none incomplete.
 ///
 /// # Errors
-/// Fails if the system installs no handler.
+/// Fails if a handler or the watching thread cannot be created.
 pub fn on_signals(code: u8, last_words: fn()) -> Result<()> {
     let cannot = |e: std::io::Error| Error::Start(format!("cannot listen for signals: {e}"));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        // In this order: the first signal finds the flag not set.
+        // The order matters: at the first signal, the shutdown handler must find the flag unset.
         signal_hook::flag::register_conditional_shutdown(signal, code.into(), REQUESTED.clone()).map_err(cannot)?;
         signal_hook::flag::register(signal, REQUESTED.clone()).map_err(cannot)?;
     }

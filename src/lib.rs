@@ -8,8 +8,8 @@
 //!                                  FEM | network                              (backend/)
 //! ```
 //!
-//! Start at [`world::components`] (what a world holds), [`world::schedule`] (what a step does) and [`model`] (what never changes).
-//! `docs/architecture.md` has the folders, from the ground up.
+//! Start at [`world::components`] (data of a world), [`world::schedule`] (stages of a step) and [`model`] (data that no
+//! grasp changes). `docs/architecture.md` describes the folders, from the lowest layer up.
 #![warn(missing_docs)]
 
 pub mod backend;

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
-    // Of huge pages most is cleared for nothing: that takes as long as a prediction, and no solve gets faster by them. Where it is
-    // refused it only costs time.
+    // Zeroing huge pages, most of which is never used, takes as long as a prediction, and no solve is faster with them.
+    // If the system refuses, only time is lost.
     #[cfg(target_os = "linux")]
     let _ = rustix::thread::disable_transparent_huge_pages(true);
     tactus::cli::main()

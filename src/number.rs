@@ -1,21 +1,22 @@
 //! Formatting of numbers for readers.
 
-/// Rounds a number to this many significant digits; a number that is not finite is unchanged.
+/// Rounds a number to `digits` significant digits; a number that is not finite is unchanged.
 pub fn rounded(v: f64, digits: usize) -> f64 {
     if v.is_finite() { format!("{v:.*e}", digits.max(1) - 1).parse().unwrap_or(v) } else { v }
 }
 
-/// Formats a number in a natural way: at most six significant digits, no trailing `.0`.
+/// Formats a number with at most six significant digits and no trailing `.0`; very small and large ones in scientific
+/// notation.
 pub fn shown(v: f64) -> String {
     let six = rounded(v, 6);
     if six != 0.0 && six.is_finite() && !(1e-4..1e7).contains(&six.abs()) {
         return format!("{six:e}");
     }
-    // The shortest text that reads as the same number has no more digits than were kept.
+    // Rust prints the shortest text that parses to the same number: never more than the six digits.
     format!("{six}")
 }
 
-/// Formats a count with its noun in the right number: `1 grasp`, `3 grasps`, `2 vertices`.
+/// Formats a count with its noun in singular or plural: `1 grasp`, `3 grasps`, `2 vertices`.
 pub fn counted(count: usize, noun: &str) -> String {
     const IRREGULAR: [(&str, &str); 4] =
         [("tetrahedron", "tetrahedra"), ("vertex", "vertices"), ("entry", "entries"), ("try", "tries")];

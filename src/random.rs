@@ -1,6 +1,6 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers that are identical on every machine.
 
-/// Generator SplitMix64 (Steele, Lea and Flood 2014), which needs no state except a counter.
+/// SplitMix64 generator (Steele, Lea and Flood 2014), whose only state is a counter.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
@@ -19,14 +19,14 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Returns a number in 0..1.
+    /// Returns a number uniformly distributed in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Returns a whole number in 0..n; n is at least 1.
+    /// Returns an integer in 0..n; n is at least 1.
     pub fn below(&mut self, n: usize) -> usize {
-        // The bias of the remainder is n / 2^64: nothing.
+        // The bias of the remainder is n / 2^64: negligible.
         (self.bits() % n.max(1) as u64) as usize
     }
 

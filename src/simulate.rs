@@ -1,4 +1,4 @@
-//! All grasps of a scene, from the scene to the verdict: `tactus run` and `tactus.run` of Python.
+//! Execution of all grasps of a scene, from the scene to the verdict: `tactus run` and `tactus.run` of Python.
 
 use crate::backend::choose;
 use crate::error::{Error, Result};
@@ -25,13 +25,13 @@ use std::time::Instant;
 pub struct Simulation {
     /// Scene.
     pub scene: Scene,
-    /// What no grasp changes.
+    /// Data that no grasp changes.
     pub model: Arc<Model>,
     /// Numbers and poses of the grasps.
     pub grasps: Vec<(usize, GraspPose)>,
     /// Number of threads.
     pub threads: usize,
-    /// Notices for the user, a sentence each.
+    /// Notices for the user, one sentence each.
     pub notices: Vec<String>,
     stepper: Box<dyn Stepper>,
 }
@@ -41,7 +41,7 @@ pub struct Simulation {
 pub struct Simulated {
     /// Outcomes in the order of the grasps.
     pub outcomes: Vec<Outcome>,
-    /// Verdicts on the promises of the scene.
+    /// Verdicts on the expectations of the scene.
     pub held: Vec<Verdict>,
     /// Content of `run.json`.
     pub report: RunReport,
@@ -50,13 +50,14 @@ pub struct Simulated {
 }
 
 impl Simulation {
-    /// Builds all that the grasps of a scene share. `wanted`: numbers of the grasps to run, in this order, all if there is none. `threads`: instead of the
-    /// scene's, or of all that the machine has.
+    /// Builds everything that the grasps of a scene share. `wanted` are the numbers of the grasps to run, in this
+    /// order; all if it is empty. `threads` overrides the number of threads of the scene or of the machine.
     ///
     /// # Errors
-    /// Fails if the model cannot be built, the network cannot be read or does not serve it, or the scene has no such grasp.
+    /// Fails if the model cannot be built, the network cannot be read or does not support it, or a wanted grasp does
+    /// not exist.
     pub fn new(scene: &Scene, wanted: &[usize], threads: Option<usize>) -> Result<Self> {
-        // A network takes as long to read as the pads to mesh.
+        // Reading a network takes as long as meshing the pads.
         let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
         let (stepper, model) = (stepper?, model?);
         stepper.admit(&model)?;
@@ -92,7 +93,7 @@ impl Simulation {
             arrays: scene.record.arrays.is_some(),
             moving: model.needs.dynamic,
             predicted: self.stepper.knows_error(),
-            // The picture is of the pads.
+            // A picture shows the pads.
             picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
             overwrite,
             object_name: model.object.name.clone(),
@@ -103,7 +104,7 @@ impl Simulation {
         Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
     }
 
-    /// Runs the grasps and judges them. `sense` also measures how well posed they are: five times the work.
+    /// Runs the grasps and judges them. `sense` also measures their sensitivity, at five times the work.
     ///
     /// # Errors
     /// Fails as [`run_grasps`] does, and if a file cannot be written.
@@ -156,7 +157,7 @@ impl Simulation {
 }
 
 impl Simulated {
-    /// Returns true if the scene's promises are kept; of a scene without any, if all grasps reached their load.
+    /// Returns true if all expectations of the scene are met or, if it has none, if all grasps reached their load.
     pub fn good(&self) -> bool {
         match self.held.is_empty() {
             true => self.outcomes.iter().all(|o| o.summary.status == Status::Reached),
@@ -165,7 +166,7 @@ impl Simulated {
     }
 }
 
-/// Returns the grasps to run, with their numbers: the wanted ones in their order, each once; all if none is wanted.
+/// Returns the wanted grasps with their numbers, in order and without repetition; all if none is wanted.
 fn select(poses: &[GraspPose], wanted: &[usize]) -> Result<Vec<(usize, GraspPose)>> {
     let mut numbers: Vec<usize> = if wanted.is_empty() { (0..poses.len()).collect() } else { wanted.to_vec() };
     let mut seen = BTreeSet::new();

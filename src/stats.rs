@@ -1,4 +1,4 @@
-//! Spread of values: never the mean alone.
+//! Order statistics of samples: median, 90th percentile and maximum.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Computes the spread of `values`; returns None without any.
+    /// Computes the spread of `values`; returns None if there are none.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
@@ -24,7 +24,7 @@ impl Spread {
     }
 }
 
-/// Computes the median of `values`; returns NaN without any.
+/// Computes the median of `values`; returns NaN if there are none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     Spread::of(values).map_or(f64::NAN, |s| s.median)
 }

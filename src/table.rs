@@ -1,17 +1,17 @@
-//! Tables, as HTML and as Markdown.
+//! Tables in HTML and Markdown.
 
-/// Table. The first column is text, the others are numbers, aligned at the right.
+/// Table whose first column is text and whose other columns are right-aligned numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
     /// Title of the table.
     pub title: String,
-    /// Note for the reader of the numbers; may be empty.
+    /// Explanatory note; may be empty.
     pub note: String,
     /// Names of the columns, with units.
     pub columns: Vec<String>,
-    /// Cells, as many as columns.
+    /// Rows of cells, one per column.
     pub rows: Vec<Vec<String>>,
-    /// True if the table is folded until it is opened.
+    /// True if the table is collapsed until the reader opens it.
     pub folded: bool,
 }
 
@@ -22,13 +22,13 @@ impl Table {
         Self { title: title.into(), columns, ..Self::default() }
     }
 
-    /// Returns the table for the page.
+    /// Returns the table as HTML, for a report page.
     pub fn html(&self) -> String {
         let cells = |tag: &str, row: &[String]| -> String {
             let cell = |(k, text): (usize, &String)| match k {
                 0 => format!("<th scope=\"{}\">{}</th>", if tag == "th" { "col" } else { "row" }, escape(text)),
                 _ if tag == "th" => format!("<th scope=\"col\">{}</th>", escape(text)),
-                // Numbers beside each other in a cell line up only with spaces as wide as digits.
+                // Padded numbers within a cell line up only with spaces as wide as digits.
                 _ => format!("<td>{}</td>", escape(text).replace("  ", " \u{2007}")),
             };
             row.iter().enumerate().map(cell).collect()
@@ -47,7 +47,7 @@ impl Table {
         }
     }
 
-    /// Returns the table for a README.
+    /// Returns the table as Markdown.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|c| c.trim().replace("  ", " ").replace('|', "\\|")).collect();

@@ -1,4 +1,4 @@
-//! Network that knows where it is good enough: other grasps go to finite elements.
+//! Guarded network: grasps outside its training range or with too large a predicted error go to finite elements.
 
 use super::fem::stepper::FemStepper;
 use super::network::NetworkStepper;
@@ -10,23 +10,23 @@ use crate::world::Stepper;
 use crate::world::schedule::{HandedOver, Shared};
 use bevy_ecs::prelude::*;
 
-/// Network, with condensed finite elements for grasps that it is not sure of.
+/// Network that falls back to condensed finite elements where its predicted error is too large or unknown.
 #[derive(Debug)]
 pub struct GuardedNetwork {
     network: NetworkStepper,
     elements: FemStepper,
-    /// Largest error of the displacement that is accepted.
+    /// Largest accepted predicted error of the displacement, as a fraction.
     at_most: f64,
 }
 
 impl GuardedNetwork {
-    /// Creates the guard of `network`.
+    /// Creates the guard of `network` that accepts predicted errors up to `at_most`.
     pub fn new(network: NetworkStepper, at_most: f64) -> Self {
         let elements = Fem { solver: Solver::Condensed(Condensed::default()), ..Fem::default() };
         Self { network, elements: FemStepper::new(&elements), at_most }
     }
 
-    /// Returns the stepper of a prepared world.
+    /// Returns the stepper that computes the grasp of a prepared world.
     fn chosen(&self, world: &World) -> &dyn Stepper {
         match world.contains_resource::<HandedOver>() {
             true => &self.elements,
@@ -34,7 +34,7 @@ impl GuardedNetwork {
         }
     }
 
-    /// Returns why a grasp is not one for the network; None if it is.
+    /// Returns the reason why the network must not compute this grasp; None if it may.
     fn doubt(&self, world: &mut World) -> Result<Option<String>> {
         let model = world.get_resource::<Shared>().map(|shared| shared.0.clone());
         if let Some(reason) = model.as_ref().and_then(|model| self.network.refuses(model)) {

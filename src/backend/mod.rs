@@ -1,4 +1,5 @@
-//! Backends: finite elements and a trained network in the same slot of the same schedule. Only this module knows both.
+//! Backends: finite elements and a trained network implement the same stage of the schedule. Only this module depends
+//! on both.
 
 pub mod fem;
 pub mod hand_over;
@@ -8,7 +9,7 @@ use crate::error::Result;
 use crate::scene;
 use crate::world::Stepper;
 
-/// Creates the backend that the scene names.
+/// Creates the backend that the scene selects.
 ///
 /// # Errors
 /// Fails if the trained model cannot be read.

@@ -1,4 +1,4 @@
-//! Network backend: the same phases and the same components as the finite element backend.
+//! Network backend, with the phases and components of the finite element backend.
 
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
@@ -32,12 +32,12 @@ pub struct NetworkStepper {
     predictor: Arc<Predictor>,
     /// Folder or name of the model.
     model: PathBuf,
-    /// Flag: scenes outside the range of the training are answered.
+    /// Flag: scenes outside the training range are accepted.
     extrapolate: bool,
 }
 
 impl NetworkStepper {
-    /// Opens the model in the folder `model`, or the one that ships under this name.
+    /// Opens the model in the folder `model`, or the bundled model of this name.
     ///
     /// # Errors
     /// Fails as [`Predictor::open`] does.
@@ -45,21 +45,21 @@ impl NetworkStepper {
         Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), extrapolate: false })
     }
 
-    /// Sets whether scenes outside the range of the training are answered.
+    /// Sets whether scenes outside the training range are accepted.
     pub fn extrapolating(self, extrapolate: bool) -> Self {
         Self { extrapolate, ..self }
     }
 
-    /// Returns why the network has no answer to some frame of `model`; None if it has.
+    /// Returns the reason why some frame of `model` is outside the training range; None if the network accepts all.
     pub fn refuses(&self, model: &Model) -> Option<String> {
         self.predictor.card.range.forces_outside(model).filter(|_| !self.extrapolate)
     }
 
-    /// Decodes all levels of the grasp of a prepared world beforehand. Returns the largest of the errors of the displacement that nine of
-    /// ten such predictions stay below; infinite where it is unknown.
+    /// Decodes all levels of the grasp of a prepared world in advance. Returns the largest error bound of the
+    /// displacement that nine of ten predictions satisfy; infinite where it is unknown.
     ///
     /// # Errors
-    /// Fails for a grasp that cannot start, and if predicted numbers are not finite.
+    /// Fails for a grasp that cannot start, and if a predicted number is not finite.
     pub fn foresee(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
@@ -70,7 +70,7 @@ impl NetworkStepper {
         Ok(prediction.foresee()?.map_or(f64::INFINITY, |error| error.displacement))
     }
 
-    /// Takes its resources out of `world`.
+    /// Removes its resources from `world`.
     pub fn withdraw(&self, world: &mut World) {
         world.remove_resource::<Prediction>();
     }
@@ -105,7 +105,7 @@ impl Stepper for NetworkStepper {
         let missing = || Error::Start("the world was not spawned for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let model = &shared.0;
-        // An agent may ask for any force.
+        // An agent may command any force.
         let admit = if model.needs.task { Predictor::admit } else { Predictor::admit_some };
         let graph = admit(&self.predictor, model, self.extrapolate)?;
         let (frames, loads) = self.predictor.answered(model, self.extrapolate).into_iter().unzip();
@@ -153,21 +153,21 @@ impl Stepper for NetworkStepper {
 pub struct Prediction {
     predictor: Arc<Predictor>,
     graph: Arc<PadGraph>,
-    /// Numbers of the frames that have an answer, and their loads.
+    /// Numbers of the frames that the network can predict, and their loads.
     frames: Vec<usize>,
     loads: Vec<GraspLoad>,
-    /// First contact, and what the network computed from it.
+    /// First contact, and its encoding by the network.
     grasp: Option<(GeometricContact, Seen)>,
     /// State at the load of this step.
     state: Option<GraspState>,
-    /// States of the frames that have an answer, of loads that are known beforehand.
+    /// States of the predictable frames, if their loads are known in advance.
     ahead: Option<Ramp>,
-    /// States at any load, for an agent; None if the network has no answer to one of its loads.
+    /// States at any load, for an agent; None if one of the sampled loads cannot be predicted.
     ladder: OnceLock<Option<ForceLadder>>,
 }
 
 impl Prediction {
-    /// Encodes the grasp at first contact; what was foreseen is not seen again.
+    /// Encodes the grasp at first contact, unless this contact is encoded already.
     fn look(&mut self, model: &Arc<Model>, contact: GeometricContact) {
         if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
             return;
@@ -177,14 +177,14 @@ impl Prediction {
         (self.ahead, self.ladder) = (None, OnceLock::new());
     }
 
-    /// Decodes the frames of a grasp that was seen. Returns the largest of their errors; None before.
+    /// Decodes the frames of an encoded grasp. Returns the largest of their errors; None if no grasp is encoded.
     fn foresee(&mut self) -> Result<Option<ErrorBound>> {
         let Some((_, seen)) = &self.grasp else { return Ok(None) };
         let ramp = Ramp::new(&self.predictor, seen, &self.loads)?;
         Ok(Some(self.ahead.insert(ramp).error()))
     }
 
-    /// States of the pads at the load of this step; none before the first.
+    /// Returns the states of the pads at the load of this step; empty before the first.
     fn pads(&self) -> &[PadState] {
         self.state.as_ref().map_or(&[], |state| &state.pads)
     }
@@ -194,7 +194,7 @@ impl Prediction {
     }
 }
 
-/// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
+/// Adds the systems to their sets, except those for quantities that the scene does not need.
 fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
@@ -212,7 +212,7 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
     }
 }
 
-/// Encodes the grasp once, at first contact: travel and pose are still those of `close_to_contact`.
+/// Encodes the grasp once, at first contact, while travel and pose are still those of `close_to_contact`.
 fn look(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -231,7 +231,7 @@ fn look(
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
-/// Predicts one load level; numbers that are not finite end the grasp.
+/// Predicts one load level. A failed prediction or slip of the object ends the grasp.
 #[allow(clippy::too_many_arguments)]
 fn predict(
     phase: Res<Phase>,
@@ -258,7 +258,7 @@ fn predict(
             }
         }
         if after == 0 && prediction.ahead.is_none() {
-            // Where one of the loads has no answer, each is asked for by itself, as far as they go.
+            // If one of the loads cannot be predicted, the loads before it are predicted one by one below.
             let _ = prediction.foresee();
         }
     }
@@ -283,7 +283,7 @@ fn predict(
     };
     match asked {
         Ok(state) => {
-            // An agent has a reward for what it holds.
+            // No slip check for an agent: its reward measures what it holds.
             let scene = grasp.as_ref().filter(|_| command.is_none());
             let slips = scene.and_then(|(touch, _)| slip(hold(&shared.0, touch, &state, &applied)));
             if let Some(reason) = slips {
@@ -300,8 +300,8 @@ fn predict(
     *timings.stages.entry("decode").or_insert(0.0) += clock.elapsed().as_secs_f64();
 }
 
-/// Shares a load on the object out among the pads and their nodes in proportion to the pressure, for a network whose training did not
-/// include pushes.
+/// Distributes a load on the object evenly over the pads, and over the nodes of a pad in proportion to the pressure,
+/// for a network trained without pushes.
 fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
     if prediction.predictor.knows_pushes() {
         return;
@@ -310,7 +310,7 @@ fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: S
     let each = weight.0 / model.fingers.len() as f64;
     for (pad, finger) in prediction.pads_mut().iter_mut().zip(&model.fingers) {
         let own = finger.placement.rotation.transpose() * each;
-        // The object presses against the pad's outward axis.
+        // Contact presses against the outward axis of the pad.
         let whole: f64 = pad.contact.iter().map(|f| -f.z).sum();
         pad.contact.iter_mut().for_each(|f| *f += own * (-f.z / whole));
     }
@@ -348,10 +348,11 @@ fn write_state(
     }
 }
 
-/// Distance from the object, m, within which nodes are always looked at. Once a node is inside, only these can be the worst.
+/// Lower bound of the search radius of the distance query, m. Once a node is inside, only nodes this close can have the
+/// smallest gap.
 const NEAR: f64 = 1e-9;
 
-/// Measures the prediction as it is: the smallest det F, and the smallest gap of a face node, which may be negative.
+/// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
@@ -371,7 +372,7 @@ fn measure_shape(
         let own = &x[*finger];
         let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
             let at = inverse * (own[*node as usize] + *carried - object.position);
-            // Whoever is farther away than the nearest so far need not say how far.
+            // Nodes farther away than the smallest gap so far need no distance.
             let closer = model.object.distance.closest(at, least.max(NEAR));
             closer.map_or(least, |c| least.min(c.distance))
         });
@@ -382,7 +383,7 @@ fn measure_shape(
     (report.min_det_f, report.min_gap) = least;
 }
 
-/// Writes von Mises stress on nodes; a tetrahedron has the mean of its nodes.
+/// Writes von Mises stress on nodes; that of a tetrahedron is the mean of its nodes.
 fn write_stress(
     prediction: Res<Prediction>,
     shared: Res<Shared>,
@@ -408,7 +409,7 @@ fn write_stress(
     }
 }
 
-/// Writes contact forces on nodes, hand frame.
+/// Writes contact forces on nodes, in the hand frame.
 fn write_contact(
     prediction: Res<Prediction>,
     shared: Res<Shared>,

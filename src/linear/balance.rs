@@ -1,9 +1,10 @@
-//! The balance of a free object: the forces of both pads on it add up to its weight, and so do their moments.
+//! Balance of a free object: forces and moments of both pads on it balance the load on it.
 //!
-//! Two forces on a body without weight lie on one line. Where the pads press therefore says how hard friction pulls each of
-//! them sideways, and sideways pull is most of how a pad is sheared. Pressure stays as it is: each pad is pulled along x,
-//! along y and twisted, shared out among its nodes as the projected contact presses, and as little as balances (least squares over
-//! the pressure). About the closing direction small contacts hold little: there the balance is soft.
+//! Two forces on a body without load are collinear. The positions at which the pads press therefore determine the
+//! tangential force of each, which causes most of the shear of a pad. The pressure is unchanged: each pad gets a force
+//! along x, a force along y and a twist, distributed over its nodes in proportion to the projected contact forces. Of
+//! those that balance, the smallest are taken (least squares over the pressure). Small contacts resist little rotation
+//! about the closing direction: this equation is relaxed.
 //!
 //! Quantities are dimensionless, in hand axes, as in [`super::rigid_equilibrium`].
 
@@ -12,29 +13,32 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Equations of balance; as many as pulls and twists of two pads.
+/// Number of equations of balance, equal to the number of pulls and twists of two pads.
 pub const EQUATIONS: usize = 6;
-/// Part of the largest stiffness of the balance below which it has none: along the closing direction the fingers' forces stay.
+/// Regularisation of the balance, over its largest stiffness: along the closing direction the forces of the fingers are
+/// unchanged.
 const SLACK: f64 = 1e-7;
-/// Radius of gyration of a contact, over the thickness, below which it hardly resists being twisted: forces of any size at next
-/// to a single point would not balance a twist about the closing direction.
+/// Radius of gyration of a contact, over the thickness, below which it hardly resists a twist: near a point contact,
+/// the forces that balance a twist about the closing direction would be unbounded.
 const POINT: f64 = 0.3;
-/// Row of that twist among the equations: fingers close along x.
+/// Index of that twist among the equations: fingers close along x.
 const TWIST: usize = 3;
 
-/// A pad under a load.
+/// Pad under a load.
 #[derive(Debug, Clone)]
 pub struct Pressed {
-    /// Force that it presses with.
+    /// Force with which it presses.
     pub force: f64,
     /// Rotation from its axes to those of the hand.
     pub rotation: DMat3,
-    /// Point where the force of each face node acts, and the share of the force that the projected contact carries there.
+    /// Point of application of the force of each face node, and the fraction of the force that the projected contact
+    /// carries there.
     pub nodes: Vec<(DVec3, f64)>,
 }
 
 impl Pressed {
-    /// Modes of each node: its part of a pull along x or y, and of a twist (x and y of its arm over the radius of gyration).
+    /// Returns the modes of each node: its fraction of a pull along x or y, and of a twist (x and y of its arm over the
+    /// radius of gyration).
     fn modes(&self) -> Vec<[f64; 3]> {
         let whole = self.nodes.iter().map(|n| n.1).sum::<f64>().max(f64::MIN_POSITIVE);
         let at = |place: DVec3| (self.rotation.transpose() * place).truncate();
@@ -49,23 +53,24 @@ impl Pressed {
     }
 }
 
-/// The balance of an object between two pads under one load.
+/// Balance of an object between two pads under one load.
 #[derive(Debug, Clone)]
 pub struct ObjectBalance {
     /// Force of a unit of each component of contact, for each pad (against the closing direction, along x, along y).
     axes: [[[f32; 3]; 3]; 2],
-    /// Point where the force of each node acts, one pad after the other.
+    /// Point of application of the force of each node, pad by pad.
     place: Vec<[f32; 3]>,
     /// Modes of each node, see [`Pressed::modes`].
     modes: Vec<[f32; 3]>,
-    /// Map from what is out of balance to pulls and twists.
+    /// Map from the imbalance to pulls and twists.
     inverse: [[f32; EQUATIONS]; EQUATIONS],
     /// Force and moment that the pads carry.
     load: [f32; EQUATIONS],
 }
 
 impl ObjectBalance {
-    /// Creates the balance between `pads`; `pull` is force and moment of what else acts on the object, about the origin.
+    /// Creates the balance between `pads`; `pull` is the force and moment of the other loads on the object, about the
+    /// origin.
     pub fn new(pads: &[Pressed; 2], pull: [DVec3; 2]) -> Self {
         let axes = pads.each_ref().map(|pad| {
             let [x, y, z] =
@@ -74,7 +79,7 @@ impl ObjectBalance {
         });
         let modes: Vec<[f64; 3]> = pads.iter().flat_map(Pressed::modes).collect();
         let place: Vec<DVec3> = pads.iter().flat_map(|pad| pad.nodes.iter().map(|n| n.0)).collect();
-        // What each pull and twist adds to force and moment.
+        // Force and moment per unit of each pull and twist.
         let mut given = Mat::<f64>::zeros(EQUATIONS, EQUATIONS);
         for (i, (mode, at)) in modes.iter().zip(&place).enumerate() {
             let pad = i / pads[0].nodes.len();
@@ -89,7 +94,7 @@ impl ObjectBalance {
         (0..EQUATIONS).for_each(|k| square[(k, k)] += small);
         square[(TWIST, TWIST)] += (POINT * pads[0].force.max(pads[1].force)).powi(2);
         let solved = square.llt(Side::Lower).map(|factor| factor.solve(&given));
-        // Numbers that are not finite: whoever asked for them is told by what comes out.
+        // A failed factorisation yields numbers that are not finite, which the caller detects.
         let solved = solved.unwrap_or_else(|_| Mat::full(EQUATIONS, EQUATIONS, f64::NAN));
         Self {
             axes: axes.map(|pad| pad.map(|axis| axis.to_array().map(|v| v as f32))),
@@ -100,23 +105,23 @@ impl ObjectBalance {
         }
     }
 
-    /// Returns the balance of an object that is held where it is: its support carries whatever the pads leave over.
+    /// Returns the balance of an object that is held fixed: its support carries the imbalance of the pads.
     pub fn supported(self) -> Self {
         Self { inverse: [[0.0; EQUATIONS]; EQUATIONS], ..self }
     }
 
-    /// Number of contact forces: nodes of both pads.
+    /// Returns the number of contact forces: nodes of both pads.
     pub fn nodes(&self) -> usize {
         self.place.len()
     }
 
-    /// Force and moment of a unit of each component of contact at node `i`.
+    /// Returns the force and moment per unit of each component of contact at node `i`.
     pub fn wrenches(&self, i: usize) -> [[f32; EQUATIONS]; 3] {
         let [x, y, z] = self.place[i];
         self.axes[self.pad(i)].map(|[a, b, c]| [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a])
     }
 
-    /// Contributions of a unit of each pull and twist along x and y at node `i`: [`EQUATIONS`] each.
+    /// Returns the contributions per unit of each pull and twist along x and y at node `i`: [`EQUATIONS`] each.
     pub fn pulls(&self, i: usize) -> [[f32; EQUATIONS]; 2] {
         let mut all = [[0.0; EQUATIONS]; 2];
         for (all, own) in all.iter_mut().zip(taken(&self.modes[i])) {
@@ -125,7 +130,7 @@ impl ObjectBalance {
         all
     }
 
-    /// Map from what is out of balance to pulls and twists, and the load that is carried.
+    /// Returns the map from the imbalance to pulls and twists, and the load that is carried.
     pub fn solution(&self) -> (&[[f32; EQUATIONS]; EQUATIONS], &[f32; EQUATIONS]) {
         (&self.inverse, &self.load)
     }
@@ -153,7 +158,8 @@ impl ObjectBalance {
         }
     }
 
-    /// Turns the gradient by the output of [`Self::balance`] into that by its input, in place.
+    /// Converts the gradient with respect to the output of [`Self::balance`] into that with respect to its input, in
+    /// place.
     pub fn gradient<T: Number>(&self, gradient: &mut [T], mirror: [f32; 2]) {
         let [x, y] = mirror.map(T::from);
         let mut pulls = [T::from(0.0); EQUATIONS];
@@ -174,13 +180,14 @@ impl ObjectBalance {
     }
 }
 
-/// Force and moment of a force at a place.
+/// Returns the force and moment of a force at a point.
 fn wrench(force: DVec3, at: DVec3) -> [f64; EQUATIONS] {
     let moment = at.cross(force);
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// Contributions of the pulls along x and y and the twist of a pad, along x and y at a node with these modes.
+/// Returns the contributions of the pulls along x and y and the twist of a pad, along x and y, at a node with these
+/// modes.
 fn taken<T: Copy + Default + std::ops::Neg<Output = T>>([share, x, y]: &[T; 3]) -> [[T; 3]; 2] {
     [[*share, T::default(), -*y], [T::default(), *share, *x]]
 }

@@ -1,8 +1,9 @@
 //! Linear response of a pad: the displacement of all its nodes under small forces on its sensing face.
 //!
-//! One factorisation of the stiffness at rest and a solve per force component, once per pad: the network learns what large
-//! strains and the true pressure change. The mesh is refined for it: a network knows more than its own mesh does. Over the thickness per `E t^2`, pad frame. Bonded nodes do not move, and stress is
-//! local: it follows from how the neighbours of a node move.
+//! The stiffness in the reference state is factorised once per pad, and solved for each force component. The network
+//! learns the effects of large strains and of the actual pressure. The response is computed on a refined mesh, so it is
+//! more accurate than that of the pad's own mesh. Displacements are over the thickness per force over `E t^2`, pad
+//! frame. Bonded nodes do not move; stress is local: it follows from the displacements of the neighbours of a node.
 
 use super::deviator::{Deviator, deviators};
 use super::refined_pad::RefinedPad;
@@ -13,29 +14,30 @@ use crate::mech::body::cholesky::Factor;
 use crate::part::FingerModel;
 use glam::DVec3;
 
-/// Right-hand sides that are solved for at once.
+/// Number of right-hand sides that are solved at once.
 const COLUMNS: usize = 96;
 
-/// Responses to unit forces, spread on the face around the node they are meant for.
+/// Responses to unit forces, each spread over the face around its node.
 #[derive(Debug, Clone)]
 pub struct Compliance {
     /// Number of nodes of the pad.
     pub nodes: usize,
     /// Number of force components: three per face node.
     pub forces: usize,
-    /// Start of the three rows in `response` of each node that can move, over three; those of the face are first.
+    /// Index of the first of the three rows in `response` of each movable node, over three; face nodes come first.
     pub slot: Vec<Option<u32>>,
-    /// Response (moving nodes * 3, forces) of every displacement component to each force component.
+    /// Response (movable nodes * 3, forces) of every displacement component to each force component.
     pub response: Numbers,
-    /// Deviatoric stress of every node over `E`.
+    /// Map from displacements to the deviatoric stress of every node over `E`.
     pub deviator: Deviator,
 }
 
 impl Compliance {
-    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m. It is that of a refined mesh.
+    /// Computes the response of the pad of `finger` to forces on its nodes `face`; `thickness` in m. Pads of quadratic
+    /// elements are refined for it.
     ///
     /// # Errors
-    /// Fails if the stiffness at rest cannot be factorised.
+    /// Fails if the stiffness in the reference state cannot be factorised.
     pub fn new(finger: &FingerModel, face: &[u32], thickness: f64) -> Result<Self> {
         let refined = RefinedPad::of(finger);
         let (own, turn) = (&finger.body, finger.placement.rotation);
@@ -89,23 +91,23 @@ impl Compliance {
         Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
     }
 
-    /// Assembles a response that was found earlier.
+    /// Creates a response from parts that were computed earlier.
     pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
         Self { nodes: slot.len(), forces, slot, response, deviator }
     }
 
-    /// Number of displacement components: three per node that can move.
+    /// Returns the number of displacement components: three per movable node.
     pub fn moving(&self) -> usize {
         self.response.len() / self.forces.max(1)
     }
 
-    /// Response of component `a` of a node to the force components: (forces); None if the node is bonded.
+    /// Returns the response of component `a` of a node to the force components: (forces); None if the node is bonded.
     pub fn row(&self, node: u32, a: usize) -> Option<&[f32]> {
         let row = 3 * self.slot[node as usize]? as usize + a;
         Some(&self.response[row * self.forces..(row + 1) * self.forces])
     }
 
-    /// Displacement of the nodes `face` under forces on them, for each of at most [`LANES`] loads.
+    /// Returns the displacements of the nodes `face` under forces on them, for each of at most [`LANES`] loads.
     pub fn on_face(&self, face: &[u32], loads: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
         let mut forces = Packed::default();
         let of = |r: usize, load: usize| loads.get(load).map_or(0.0, |forces| forces[r / 3][r % 3] as f32);

@@ -1,8 +1,8 @@
-//! Linear responses of pads, kept in the user's cache folder: solving for one takes far longer than a prediction.
+//! Cache of the linear responses of pads in the user's cache folder: computing one takes far longer than a prediction.
 //!
-//! `KEY.pad` is made when it is first needed and can be deleted at any time; KEY stands for mesh, gel and version. The content
-//! of a file is a safetensors file and the BLAKE3 of it. Two processes may make one at once: both write the same. A folder that
-//! cannot be written costs time and nothing else; a file that is not as it was written is thrown away and made anew.
+//! `KEY.pad` is created when it is first needed and can be deleted at any time; KEY identifies mesh, gel and version. A
+//! file consists of a safetensors file and its BLAKE3 hash. Two processes may create the same file at once: both write
+//! the same content. A folder that cannot be written only costs time; a damaged file is removed and created again.
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
@@ -18,20 +18,21 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
-/// Version of the responses: another one is computed anew.
+/// Version of the responses; those of other versions are recomputed.
 const VERSION: u32 = 3;
 
-/// Largest size of all kept files together, bytes: the pads of a universe. The files that were not used for longest go first.
+/// Largest total size of the cached files, bytes: enough for the pads of a universe. The least recently used files are
+/// removed first.
 pub const MOST: u64 = 6 << 30;
 
-/// Slot of a bonded node: it has none.
+/// Slot in a file for a bonded node, which has none.
 const NONE: u32 = u32::MAX;
-/// Bytes of the hash at the end of a file.
+/// Number of bytes of the hash at the end of a file.
 const SUM: usize = blake3::OUT_LEN;
-/// Name of the key in the head of a file.
+/// Name of the key in the metadata of a file.
 const KEY: &str = "key";
 
-/// A folder of responses.
+/// Folder of cached responses.
 #[derive(Debug, Clone)]
 pub struct ComplianceCache {
     dir: PathBuf,
@@ -55,8 +56,8 @@ impl ComplianceKey {
 }
 
 impl ComplianceCache {
-    /// Returns the cache of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or `%LOCALAPPDATA%`. None
-    /// where there is no such folder.
+    /// Returns the cache of the user: `tactus` in `$XDG_CACHE_HOME` (`~/.cache`), `~/Library/Caches` or
+    /// `%LOCALAPPDATA%`. None if there is no such folder.
     pub fn of_user() -> Option<Self> {
         let base = etcetera::base_strategy::choose_native_strategy().ok()?;
         Some(Self::at(base.cache_dir().join("tactus")))
@@ -67,16 +68,16 @@ impl ComplianceCache {
         Self { dir: dir.into() }
     }
 
-    /// The file of a response.
+    /// Returns the path of the file of a response.
     pub fn path(&self, key: &ComplianceKey) -> PathBuf {
         self.dir.join(format!("{:.32}.pad", key.0))
     }
 
-    /// Reads the response for `key`; None if it is not there. A file that is not whole is removed.
+    /// Reads the response for `key`; None if it is not there. A damaged file is removed.
     pub fn read(&self, key: &ComplianceKey) -> Option<Compliance> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
-        // For who is to go when room is needed; a folder of somebody else keeps its times.
+        // The modification time is that of the last use, for `make_room`; a folder of another user keeps its times.
         let _ = file.set_modified(SystemTime::now());
         let found = Map::of(&file).and_then(|map| response(&map, key));
         if found.is_none() {
@@ -85,19 +86,20 @@ impl ComplianceCache {
         found
     }
 
-    /// Writes a response, whole or not at all.
+    /// Writes a response atomically.
     pub fn write(&self, key: &ComplianceKey, compliance: &Compliance) {
         let Some(content) = content(key, compliance) else { return };
         if create_dir(&self.dir).is_ok() && self.make_room(content.len() as u64) {
-            // Who cannot keep it solves again next time.
+            // After a failure the response is computed again next time.
             let _ = write_atomic(&self.path(key), &content);
         }
     }
 
-    /// Removes files, the longest unused first, until there is room for `bytes` more; returns false if there never is.
+    /// Removes the least recently used files until there is room for `bytes` more; returns false if there is not enough
+    /// room.
     fn make_room(&self, bytes: u64) -> bool {
         let entries = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
-        // Halves of files that killed processes left grow old like all others.
+        // This includes temporary files that killed processes left.
         let of = |e: std::fs::DirEntry| Some((e.metadata().ok()?.modified().ok()?, e.metadata().ok()?.len(), e.path()));
         let mut files: Vec<(SystemTime, u64, PathBuf)> = entries.filter_map(of).collect();
         files.sort();
@@ -112,7 +114,7 @@ impl ComplianceCache {
     }
 }
 
-/// The response in a file that is as it was written, for this key.
+/// Returns the response in an undamaged file with this key.
 fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
     let (body, sum) = map.bytes().split_last_chunk::<SUM>()?;
     if blake3::hash(body).as_bytes() != sum {
@@ -124,7 +126,7 @@ fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
     if names.metadata().as_ref()?.get(KEY) != Some(&key.0) {
         return None;
     }
-    // Floats are nearly the whole file: they stay there, where the system can map it.
+    // Floats are nearly the entire file: they stay memory-mapped where the system supports it.
     let numbers = |name: &str, kind: Dtype| {
         let info = names.info(name).filter(|i| i.dtype == kind)?;
         let count = info.shape.iter().try_fold(1, |n: usize, k| n.checked_mul(*k))?;
@@ -139,7 +141,7 @@ fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
     Some(Compliance::from_parts(slot, response, forces, Deviator { start, slot: neighbour, parts }))
 }
 
-/// The content of the file of a response.
+/// Returns the content of the file of a response.
 fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
     let Deviator { start, slot, parts } = &compliance.deviator;
     let (forces, rows) = (compliance.forces, compliance.moving());
@@ -160,7 +162,7 @@ fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
     Some(content)
 }
 
-/// Numbers of four bytes each as they lie in a file, little endian.
+/// Returns numbers of four bytes each in little-endian order, as in a file.
 fn bytes<T: NoUninit + AnyBitPattern>(numbers: &[T]) -> Cow<'_, [u8]> {
     let native: &[u8] = cast_slice(numbers);
     if cfg!(target_endian = "little") {

@@ -1,4 +1,5 @@
-//! Deviatoric stress of the nodes of a pad from small displacements, as [`crate::mech::body::Body::cauchy`] recovers it.
+//! Deviatoric stress at the nodes of a pad from small displacements, as [`crate::mech::body::Body::cauchy`] recovers
+//! it.
 
 use crate::kernel::numbers::Numbers;
 use crate::mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
@@ -7,22 +8,22 @@ use crate::record::ElementNodes;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Numbers of a neighbour of a node: xx and yy from (x, y, z), xy from (x, y), yz from (y, z), zx from (z, x).
+/// Number of coefficients per neighbour: xx and yy from (x, y, z), xy from (x, y), yz from (y, z), zx from (z, x).
 pub const PARTS: usize = 12;
 
-/// Deviatoric stress of every node as a linear map of the motion of its neighbours.
+/// Deviatoric stress of every node as a linear map of the displacements of its neighbours.
 #[derive(Debug, Clone)]
 pub struct Deviator {
-    /// Start of the neighbours of each node, one more at the end.
+    /// Start of the neighbours of each node, and their total number at the end.
     pub start: Vec<u32>,
-    /// Slots of the neighbours.
+    /// Slots of the neighbours among the movable nodes.
     pub slot: Vec<u32>,
-    /// Parts of the neighbours: (neighbours, [`PARTS`]).
+    /// Coefficients of the neighbours: (neighbours, [`PARTS`]).
     pub parts: Numbers,
 }
 
 impl Deviator {
-    /// Slots and parts of the neighbours of a node.
+    /// Returns the slots and coefficients of the neighbours of a node.
     #[inline(always)]
     pub fn of(&self, node: usize) -> (&[u32], &[[f32; PARTS]]) {
         let own = self.start[node] as usize..self.start[node + 1] as usize;
@@ -30,10 +31,10 @@ impl Deviator {
     }
 }
 
-/// Computes the deviators of the pad of `finger`: stress over `E`, from displacements over the thickness of the nodes with a
-/// slot, pad frame.
+/// Computes the deviators of the pad of `finger`: stress over `E` from displacements, over the thickness, of the nodes
+/// with a slot, pad frame.
 ///
-/// Every law of the gel is Hooke's for small strains: `s = 2 mu dev(eps)`, and `2 mu / E = 1 / (1 + nu)`.
+/// For small strains, every law of the gel reduces to Hooke's: `s = 2 mu dev(eps)`, and `2 mu / E = 1 / (1 + nu)`.
 pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> Deviator {
     let pad = &finger.topology;
     let scale = thickness / (1.0 + finger.body.material.moduli().poisson);
@@ -55,7 +56,7 @@ pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> 
     Deviator { start, slot: near, parts: all.into() }
 }
 
-/// Adds, for every node of a tetrahedron, the gradients of the shape functions there times the volume.
+/// Adds, for every node of a tetrahedron, the gradients of the shape functions at this node times the volume.
 fn add<const N: usize, const Q: usize>(
     shape: &ShapeFunctions<N, Q>,
     nodes: &[u32; N],
@@ -75,7 +76,7 @@ fn add<const N: usize, const Q: usize>(
     }
 }
 
-/// Weights of the quadrature points in the value at local node `a`: linear extrapolation.
+/// Returns the weights of the quadrature points in the value at local node `a`: linear extrapolation.
 fn extrapolation<const Q: usize>(a: usize) -> [f64; Q] {
     if Q != 4 {
         return [1.0 / Q as f64; Q];

@@ -1,4 +1,4 @@
-//! Directed edges between nodes, and the maps that carry messages along them.
+//! Directed edges between nodes, and the sparse maps of messages along them.
 
 use crate::kernel::Sparse;
 use std::collections::BTreeSet;
@@ -9,16 +9,17 @@ use std::sync::Arc;
 pub struct Edges {
     /// Pairs of sender and receiver.
     pub list: Vec<(u32, u32)>,
-    /// Map that gives each edge the row of its sender.
+    /// Map from node rows to edge rows: the row of the sender.
     pub senders: Arc<Sparse>,
-    /// Map that gives each edge the row of its receiver.
+    /// Map from node rows to edge rows: the row of the receiver.
     pub receivers: Arc<Sparse>,
-    /// Map from rows of edges to rows of receivers, summed and divided by a usual number of neighbours.
+    /// Map from edge rows to node rows: the sum over the edges of a receiver, divided by a typical number of
+    /// neighbours.
     pub gather: Arc<Sparse>,
 }
 
 impl Edges {
-    /// Creates both directions of `pairs`, which join `nodes` nodes; sums are divided by `usual`.
+    /// Creates the edges in both directions for `pairs` of `nodes` nodes; sums are divided by `usual`.
     pub fn new(pairs: impl IntoIterator<Item = (u32, u32)>, nodes: usize, usual: f32) -> Self {
         // As (receiver, sender), so that they are sorted by receiver.
         let both: BTreeSet<(u32, u32)> = pairs.into_iter().flat_map(|(a, b)| [(a, b), (b, a)]).collect();

@@ -1,7 +1,7 @@
-//! A grasp at geometric first contact: all that the network may know of it.
+//! Grasp at geometric first contact: the input of the network.
 //!
-//! Training and inference come here in the same way: by the schedule's phases `Place` and `Close`, which no stepper takes part
-//! in. Nothing here has seen a finite element.
+//! Training and inference obtain it in the same way: with the phases `Place` and `Close` of the schedule, in which no
+//! stepper takes part. It does not depend on any finite element result.
 
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
@@ -16,7 +16,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// State of a grasp when the pads first touch.
+/// State of a grasp when the pads first touch the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GeometricContact {
     /// Pose of the object.
@@ -27,7 +27,7 @@ pub struct GeometricContact {
     pub weight: DVec3,
 }
 
-/// A stepper that never steps.
+/// Stepper without systems.
 #[derive(Debug)]
 struct Still;
 
@@ -48,15 +48,16 @@ impl GeometricContact {
     /// Closes the fingers of a grasp at `pose`.
     ///
     /// # Errors
-    /// Fails for a grasp that cannot start; the error gives the reason.
+    /// Fails for a grasp that cannot start; the error states the reason.
     pub fn find(model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
         Self::find_in(&mut None, model, pose)
     }
 
-    /// Closes the fingers of a grasp at `pose` in an environment of `model` that is kept for the next grasp: the first one makes it.
+    /// Closes the fingers of a grasp at `pose` in the environment `kept` of `model`, which the first call creates and
+    /// later calls reuse.
     ///
     /// # Errors
-    /// Fails for a grasp that cannot start; the error gives the reason.
+    /// Fails for a grasp that cannot start; the error states the reason.
     pub fn find_in(kept: &mut Option<Environment>, model: &Arc<Model>, pose: GraspPose) -> Result<Self> {
         let environment = match kept {
             Some(environment) => {
@@ -82,11 +83,12 @@ impl GeometricContact {
         Ok(Self::new(model, object, &fingers))
     }
 
-    /// Creates the contact from the columns of a world whose fingers have just closed: finger numbers with their travel.
+    /// Creates the contact from the columns of a world whose fingers have just closed: finger numbers with their
+    /// travel.
     pub fn new(model: &Model, object: ObjectPose, fingers: &[(u32, f64)]) -> Self {
         let mut travel = vec![0.0; fingers.len()];
         fingers.iter().for_each(|(finger, t)| travel[*finger as usize] = *t);
-        // First contact moves the object, but does not turn it.
+        // First contact translates the object, but does not rotate it.
         let weight = match (model.gravity, model.free) {
             (Some(gravity), true) => object.rotation * gravity * model.mass,
             _ => DVec3::ZERO,

@@ -1,4 +1,4 @@
-//! Graphs of the pads that a program has met, each made once.
+//! Graphs of the pads that a program uses, each created once.
 
 use super::compliance_cache::ComplianceCache;
 use super::pad_graph::{Layout, PadGraph, mesh_hash};
@@ -8,7 +8,7 @@ use crate::part::FingerModel;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Graphs of the pads met so far.
+/// Graphs of the pads used so far.
 #[derive(Debug)]
 pub struct KnownPads {
     layout: Layout,
@@ -16,13 +16,13 @@ pub struct KnownPads {
 }
 
 impl KnownPads {
-    /// Creates the list for a network of this layout, without any pad.
+    /// Creates the empty list for a network of this layout.
     pub fn new(layout: Layout) -> Self {
         Self { layout, graphs: Mutex::default() }
     }
 
-    /// Returns the graphs of the pads of `fingers`; equal pads share one. The linear responses of those that are new are taken from
-    /// the cache of the user, or solved for side by side.
+    /// Returns the graphs of the pads of `fingers`; equal pads share one. Linear responses of new pads are read from
+    /// the user's cache, or computed in parallel.
     ///
     /// # Errors
     /// Fails as [`PadGraph::keeping`] does, and if it is interrupted.

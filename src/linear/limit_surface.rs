@@ -1,24 +1,26 @@
-//! Loads that pads hold by friction.
+//! Loads that pads carry by friction.
 //!
-//! The limit surface of the contacts is one ellipsoid in force and torque about the closing direction (Goyal, Ruina and Papadopoulos 1991;
-//! Howe and Cutkosky 1996), from the pressure on the pads: `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
+//! The limit surface of the contacts is approximated by an ellipsoid in tangential force and in torque about the
+//! closing direction (Goyal, Ruina and Papadopoulos 1991; Howe and Cutkosky 1996), from the pressure on the pads:
+//! `(f / mu N)^2 + (m / mu sum p r)^2 = 1`.
 
 use glam::DVec3;
 
-/// Pressure on an object between pads.
+/// Limit surface of the pressure on an object between pads.
 #[derive(Debug, Clone, Copy)]
 pub struct LimitSurface {
     closing: DVec3,
-    /// Sum of the pressing forces, N.
+    /// Sum of the normal forces, N.
     normal: f64,
-    /// Mean point of the pressure, m.
+    /// Centroid of the pressure, m.
     center: DVec3,
-    /// Sum of the pressing forces times their distances from the axis through the centre, N m.
+    /// Sum of the normal forces times their distances from the axis through the centre, N m.
     arm: f64,
 }
 
 impl LimitSurface {
-    /// Creates the surface of points that press along `closing` or against it: forces (N) with their positions (m), in one frame.
+    /// Creates the surface of points that press along `closing` or against it: normal forces (N) with their positions
+    /// (m), in one frame.
     pub fn new(closing: DVec3, presses: impl Iterator<Item = (f64, DVec3)> + Clone) -> Self {
         let normal: f64 = presses.clone().map(|(p, _)| p).sum();
         let center = presses.clone().map(|(p, x)| x * p).sum::<DVec3>() / normal.max(f64::MIN_POSITIVE);
@@ -26,8 +28,8 @@ impl LimitSurface {
         Self { closing, normal, center, arm }
     }
 
-    /// Returns the part of the limit under the coefficient `friction` that a force (N) at a point (m) and a torque (N m) leave: 1 without
-    /// load, 0 where the object slips as a whole, negative beyond.
+    /// Returns the fraction of the limit, for the coefficient `friction`, that remains under a force (N) at a point (m)
+    /// and a torque (N m): 1 without load, 0 where the object slips as a whole, negative beyond.
     pub fn margin(&self, friction: f64, force: DVec3, at: DVec3, torque: DVec3) -> f64 {
         if self.normal <= 0.0 {
             return if force == DVec3::ZERO && torque == DVec3::ZERO { 1.0 } else { f64::NEG_INFINITY };

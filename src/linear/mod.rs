@@ -1,5 +1,5 @@
-//! Contact mechanics of pads that respond linearly: the results of geometry, friction and equilibrium alone, before any
-//! network.
+//! Contact mechanics of pads with a linear response: what geometry, friction and equilibrium alone determine, before
+//! any network.
 
 pub mod balance;
 pub mod compliance;
@@ -24,7 +24,7 @@ use glam::DVec3;
 pub struct GraspLoad {
     /// Force per finger, N.
     pub force: f64,
-    /// Push on the object beside its weight, hand frame: force on its centre of mass, N, and torque, N m.
+    /// Push on the object in addition to its weight, hand frame: force on its centre of mass, N, and torque, N m.
     pub push: [DVec3; 2],
 }
 
@@ -48,13 +48,13 @@ pub fn loads_of(model: &Model) -> Vec<GraspLoad> {
     model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
 }
 
-/// Point amid the pads at zero travel, m, hand frame.
+/// Returns the midpoint between the pads at zero travel, m, hand frame.
 pub fn amid(model: &Model) -> DVec3 {
     model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
-/// Returns the two of `rungs` (ascending) that `force` lies between, and its part of the way from the lower one to the higher;
-/// None beyond.
+/// Returns the two of `rungs` (ascending) that enclose `force`, and its relative position between the lower and the
+/// higher one; None outside.
 pub fn around<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)> {
     let above = rungs.partition_point(|(rung, _)| *rung < force);
     let (high, after) = rungs.get(above)?;

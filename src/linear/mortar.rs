@@ -1,7 +1,7 @@
-//! Forces on a sensing face, which act as basis functions around the corners of its triangles.
+//! Basis functions of the force on a sensing face, one around each corner node of its triangles.
 //!
-//! A pressure given node by node is finer than what the elements below can follow, and oscillates. A pressure that is linear
-//! between corners does not (mortar contact: Bernardi, Maday and Patera 1994).
+//! A pressure given at every node is finer than the elements below can resolve, and oscillates. A pressure that is
+//! linear between corner nodes does not (mortar contact: Bernardi, Maday and Patera 1994).
 
 use crate::linear::compliance::Compliance;
 use crate::mech::element::EDGES;
@@ -10,31 +10,32 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Additional response of a basis function to its own force, over the linear one, where its neighbours carry none: the pressure is not even
-/// within it, either. Between neighbours that press alike it is.
+/// Additional response of a basis function to its own force, over the linear one, if its neighbours carry none: the
+/// pressure within it is then not uniform. It vanishes between neighbours of equal pressure.
 const LOCAL: f64 = 0.4;
-/// Number of neighbours of a basis function inside a face of triangles.
+/// Number of neighbours of a basis function in the interior of a triangulated face.
 const NEIGHBOURS: f64 = 6.0;
 
 /// Basis functions on a face, pad frame.
 #[derive(Debug, Clone)]
 pub struct MortarBasis {
-    /// Parts of a basis function's force by face node; they sum to one.
+    /// Weights of the face nodes in the force of a basis function; they sum to one.
     pub parts: Vec<Vec<(u32, f64)>>,
-    /// Point where each force acts at rest, m.
+    /// Point of application of each force in the reference state, m.
     pub rest: Vec<DVec3>,
-    /// Distance from there at which its parts act, root mean square, m.
+    /// Root mean square distance of its nodes from there, m.
     pub radius: Vec<f64>,
-    /// Compliance (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by force
-    /// components, over the thickness per `E t^2`.
+    /// Compliance (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by
+    /// force components, over the thickness per `E t^2`.
     compliance: Vec<f64>,
 }
 
 impl MortarBasis {
-    /// Creates the basis functions on the nodes `face` of `pad`, at `rest`, each standing for an `area` of the face.
+    /// Creates the basis functions on the nodes `face` of `pad`, at positions `rest`, with the `area` of the face of
+    /// each.
     pub fn new(pad: &PadTopology, face: &[u32], rest: &[DVec3], area: &[f64], response: &Compliance) -> Self {
         let own: BTreeMap<u32, u32> = face.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
-        // The two corners that a node in the middle of an edge lies between.
+        // The two corner nodes at the ends of the edge of a midpoint node.
         let mut between = BTreeMap::new();
         if let ElementNodes::Quadratic(tets) = &pad.elements {
             for t in tets {
@@ -56,7 +57,7 @@ impl MortarBasis {
         let mut compliance = vec![0.0; 9 * n * n];
         compliance.par_chunks_exact_mut(9 * n.max(1)).zip(&parts).for_each(|(own, to)| {
             for (k, own) in own.chunks_exact_mut(3 * n).enumerate() {
-                // How the mean displacement under the basis function depends on the forces on the nodes.
+                // Mean displacement under the basis function per force on the nodes.
                 let mut row = vec![0.0; 3 * face.len()];
                 for (i, part) in to {
                     let given = response.row(face[*i as usize], k).unwrap_or_default();
@@ -84,24 +85,24 @@ impl MortarBasis {
         Self { radius: parts.iter().zip(&center).map(around).collect(), rest: center, parts, compliance }
     }
 
-    /// Number of basis functions.
+    /// Returns the number of basis functions.
     pub fn count(&self) -> usize {
         self.parts.len()
     }
 
-    /// Row of the compliance: component `k` under basis function `function`, by force components.
+    /// Returns a row of the compliance: component `k` under basis function `function`, by force components.
     pub fn row(&self, function: usize, k: usize) -> &[f64] {
         let n = 3 * self.count();
         &self.compliance[(3 * function + k) * n..][..n]
     }
 
-    /// Response of a basis function to its own force, the mean over all directions.
+    /// Returns the response of a basis function to its own force, averaged over the directions.
     pub fn own(&self, function: usize) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|k| self.row(function, k)[3 * function + k]);
         (x + y + z) / 3.0
     }
 
-    /// Mean displacement under every basis function when they press with `forces`.
+    /// Returns the mean displacement under every basis function when they press with `forces`.
     pub fn respond(&self, forces: &[DVec3]) -> Vec<DVec3> {
         let mut moved = vec![0.0; 3 * self.count()];
         for (function, force) in forces.iter().enumerate().filter(|(_, force)| **force != DVec3::ZERO) {
@@ -113,14 +114,15 @@ impl MortarBasis {
         moved.as_chunks::<3>().0.iter().map(|u| DVec3::from_array(*u)).collect()
     }
 
-    /// Forces on the corners of the elements: those in the middle of an edge are shared out between its ends.
+    /// Returns the forces on the corner nodes of the elements: a force on a midpoint node is split between the ends of
+    /// its edge.
     pub fn gathered(&self, forces: &[DVec3]) -> Vec<DVec3> {
-        // Every node has two parts in the functions around it.
+        // Every node occurs twice in the functions around it.
         let of = |part: &Vec<(u32, f64)>| part.iter().map(|(i, _)| forces[*i as usize] * 0.5).sum();
         self.parts.iter().map(of).collect()
     }
 
-    /// Forces on `nodes` face nodes when the basis functions press with `forces`.
+    /// Returns the forces on `nodes` face nodes when the basis functions press with `forces`.
     pub fn on_face(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
         let mut out = vec![DVec3::ZERO; nodes];
         for (part, force) in self.parts.iter().zip(forces) {
@@ -130,7 +132,8 @@ impl MortarBasis {
     }
 }
 
-/// Pairs of the basis functions around the corners `nodes` that an edge of the surface of `pad` connects.
+/// Returns the pairs of basis functions, around the corner nodes `nodes`, that an edge of the surface of `pad`
+/// connects.
 fn neighbours(pad: &PadTopology, nodes: &[u32]) -> BTreeSet<[usize; 2]> {
     let function: BTreeMap<u32, usize> = nodes.iter().enumerate().map(|(function, node)| (*node, function)).collect();
     let edges = pad.surface.iter().flat_map(|t| [0, 1, 2].map(|k| [t[k], t[(k + 1) % 3]]));
@@ -141,12 +144,12 @@ fn neighbours(pad: &PadTopology, nodes: &[u32]) -> BTreeSet<[usize; 2]> {
     edges.filter_map(pair).collect()
 }
 
-/// Adds to the `compliance` what an uneven pressure within basis functions does: a spring between the pressures of each pair of neighbours,
-/// whose functions stand for `sizes` of the face.
+/// Adds the effect of a non-uniform pressure within basis functions to `compliance`: a spring between the pressures of
+/// each pair of neighbours, whose functions have the areas `sizes`.
 fn add_local(compliance: &mut [f64], pairs: &BTreeSet<[usize; 2]>, sizes: &[f64]) {
     let n = sizes.len();
     let at = |a: usize, b: usize, k: usize| (3 * a + k / 3) * 3 * n + 3 * b + k % 3;
-    // Response to an even pressure on the function alone.
+    // Response to a unit pressure on the function alone.
     let alone: Vec<[f64; 9]> =
         (0..n).map(|a| std::array::from_fn(|k| compliance[at(a, a, k)] * sizes[a] * sizes[a])).collect();
     for [a, b] in pairs {

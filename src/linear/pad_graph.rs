@@ -1,4 +1,4 @@
-//! Graph of a pad: message passing runs on the nodes of the sensing face, all other nodes are interpolated from them.
+//! Graph of a pad: message passing runs on the nodes of the sensing face; all other nodes are interpolated from them.
 //!
 //! ```text
 //! face nodes o--o--o   edges of the sensing triangles, both directions
@@ -28,32 +28,33 @@ pub enum Layout {
         /// Number of depth channels from the face to the bonded side.
         depths: usize,
     },
-    /// Nodes of whole pads and of the object: [`crate::net::features::volume`].
+    /// All nodes of the pads and nodes of the object: [`crate::net::features::volume`].
     Volume,
 }
 
-/// Constant data of a pad, as the network sees it. Lengths in m, pad frame.
+/// Constant data of a pad, input of the network. Lengths in m, pad frame.
 #[derive(Debug, Clone)]
 pub struct PadGraph {
     /// Layout that the graph was made for.
     pub layout: Layout,
-    /// Thickness of the pad: the length that the network measures in, m.
+    /// Thickness of the pad, the length unit of the network, m.
     pub thickness: f64,
     /// Number of nodes of the pad.
     pub node_count: usize,
     /// Nodes of the sensing face, ascending.
     pub face: Vec<u32>,
-    /// Rest positions of these nodes.
+    /// Reference positions of these nodes.
     pub rest: Vec<DVec3>,
-    /// Triangles of the face between them.
+    /// Triangles of the face, as indices of these nodes.
     pub triangles: Vec<[u32; 3]>,
-    /// Area of the face that each stands for, m2.
+    /// Area of the face that belongs to each node, m2.
     pub area: Vec<f64>,
-    /// Distance of each from the rim of the face, m, and the way there along x and y, the mean of those that are next to as short.
+    /// Distance of each node from the rim of the face, m, and the vector to the rim along x and y, averaged over the
+    /// parts of the rim at nearly that distance.
     pub to_rim: Vec<(f64, DVec2)>,
     /// Gradient along x and y at each face node: weights of the nodes around it, 1/m.
     pub gradient: Vec<Vec<(u32, DVec2)>>,
-    /// Ends of the face along x and y, m.
+    /// Bounds of the face along x and y, m.
     pub ends: [DVec2; 2],
     /// Edges between face nodes.
     pub edges: Edges,
@@ -61,7 +62,7 @@ pub struct PadGraph {
     pub interpolate: Arc<Sparse>,
     /// Interpolation without entries for bonded nodes: its result is exactly zero there.
     pub interpolate_free: Arc<Sparse>,
-    /// Its linear response.
+    /// Linear response of the pad.
     pub compliance: Arc<Compliance>,
     /// Basis functions of the force on its face.
     pub basis: MortarBasis,
@@ -75,15 +76,15 @@ impl PadGraph {
     /// Creates the graph of the pad of `finger` for a network of this layout.
     ///
     /// # Errors
-    /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
+    /// Fails for a pad without a sensing face, or whose stiffness in the reference state is not positive definite.
     pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
         Self::keeping(finger, layout, None)
     }
 
-    /// Creates the graph with the linear response kept in `cache`: taken from there, or put there.
+    /// Creates the graph, with a linear response that is read from `cache` or computed and written there.
     ///
     /// # Errors
-    /// Fails for a pad without a sensing face, or whose stiffness at rest is not positive definite.
+    /// Fails for a pad without a sensing face, or whose stiffness in the reference state is not positive definite.
     pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
@@ -138,18 +139,18 @@ impl PadGraph {
         })
     }
 
-    /// Returns true if the box around the face covers a place.
+    /// Returns true if the bounding box of the face contains a point.
     pub fn covers(&self, at: DVec2) -> bool {
         at.cmpge(self.ends[0]).all() && at.cmple(self.ends[1]).all()
     }
 
-    /// Returns true if it is the graph of a pad whose mesh has this hash, of a gel of this Poisson's ratio.
+    /// Returns true if this is the graph of a pad with this mesh hash and Poisson's ratio.
     pub fn is_of(&self, hash: &str, poisson: f64) -> bool {
         self.poisson == poisson && self.hash == hash
     }
 }
 
-/// The linear response of a pad whose mesh has this hash, kept in `cache`.
+/// Returns the linear response of a pad with this mesh hash, read from `cache` or computed and written there.
 fn response(
     finger: &FingerModel,
     face: &[u32],
@@ -167,14 +168,14 @@ fn response(
     Ok(found)
 }
 
-/// BLAKE3 of a pad's mesh, by which a network knows its pads.
+/// Returns the BLAKE3 hash of a pad's mesh, by which a network identifies the pad.
 pub fn mesh_hash(pad: &PadTopology) -> String {
     let mut bytes: Vec<u8> = pad.rest.iter().flat_map(|x| x.to_array()).flat_map(f64::to_le_bytes).collect();
     bytes.extend(pad.elements.nodes().iter().flat_map(|node| node.to_le_bytes()));
     blake3::hash(&bytes).to_hex().to_string()
 }
 
-/// Gradients at the face nodes: those of the triangles around each, weighted by their areas.
+/// Computes the gradients at the face nodes: means over the triangles around each, weighted by area.
 fn gradient(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<(u32, DVec2)>> {
     let mut rows: Vec<BTreeMap<u32, DVec2>> = vec![BTreeMap::new(); rest.len()];
     let mut whole = vec![0.0; rest.len()];
@@ -185,7 +186,7 @@ fn gradient(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<(u32, DVec2)>> {
         for i in t {
             whole[*i as usize] += double;
             for (k, opposite) in [c - b, a - c, b - a].into_iter().enumerate() {
-                // The gradient of a hat function is across the opposite side, over the height.
+                // The gradient of a hat function is perpendicular to the opposite side and inverse to the height.
                 *rows[*i as usize].entry(t[k]).or_default() += opposite.perp() * turn;
             }
         }
@@ -194,10 +195,10 @@ fn gradient(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<(u32, DVec2)>> {
     rows.into_iter().zip(whole).map(row).collect()
 }
 
-/// Difference of two ways to the rim over the thickness, up to which both are as short.
+/// Excess of a distance to the rim, over the thickness, at which its weight in the mean falls to 1/e.
 const ALIKE: f64 = 0.1;
 
-/// Distance of each face node from the rim, the edges that belong to one triangle only, and the way there.
+/// Computes the distance of each face node from the rim (the edges of one triangle only), and the vector to it.
 fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, DVec2)> {
     let mut count: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for t in triangles {
@@ -224,7 +225,8 @@ fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, D
     rest.par_iter().map(way).collect()
 }
 
-/// Interpolation of every node of the pad: (face node * depths + channel, weight), non-negative and summing to one.
+/// Computes the interpolation of every node of the pad: (face node * depths + channel, weight), non-negative and
+/// summing to one.
 fn hanging(
     nodes: &[DVec3],
     face: &[DVec3],

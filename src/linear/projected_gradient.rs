@@ -1,11 +1,12 @@
-//! Contact forces node by node, under which the pad's linear response follows the object.
+//! Nodal contact forces under which the linear response of the pad conforms to the object.
 //!
-//! The forces of an equilibrium are smooth between corners. They are relaxed towards those under which every touching node
-//! gives as the object asks, no node pulls or slips, and the sums stay: projected gradient steps with momentum (Beck and Teboulle 2009).
-//! A few steps are enough, the network learns the rest.
+//! The forces of a rigid equilibrium are linear between corner nodes. Projected gradient steps with momentum (Beck and
+//! Teboulle 2009) relax them towards forces under which every node in contact is displaced as the object prescribes, no
+//! node is in tension or exceeds Coulomb's limit, and the resultants are unchanged. A few steps are enough; the network
+//! learns the rest.
 //!
-//! Loads go side by side, [`LANES`] at a time: what one does to a number, all do, and the response to all of them is one
-//! product of matrices.
+//! Loads are iterated together, [`LANES`] at a time, so that loops over them vectorise; their responses are one matrix
+//! product.
 
 use super::compliance::Compliance;
 use crate::kernel::product::{Packed, RowsView, respond};
@@ -13,11 +14,11 @@ use crate::mech::contact::coulomb::{kept, slips};
 use glam::DVec3;
 use pulp::{Arch, NullaryFnOnce};
 
-/// Number of steps.
+/// Number of gradient steps.
 const STEPS: usize = 10;
-/// Number of slidings that are tried in each step.
+/// Number of trial slidings of the pad in each step.
 const SLIDES: usize = 4;
-/// Distance from touching from which on nodes begin to take part, over the deepest.
+/// Gap, over the largest depth, up to which nodes take part.
 const REACH: f64 = 0.3;
 /// Number of loads that are iterated together.
 pub const LANES: usize = crate::kernel::product::LANES;
@@ -25,26 +26,26 @@ pub const LANES: usize = crate::kernel::product::LANES;
 /// One number per load.
 type Lanes = [f64; LANES];
 
-/// A face node under load, pad frame, over the thickness and `E t^2`.
+/// Face node under load, pad frame; lengths over the thickness, forces over `E t^2`.
 #[derive(Debug, Clone, Copy)]
 pub struct Touching {
     /// Node of the pad.
     pub node: usize,
     /// Normal of the object; the same under all loads.
     pub normal: DVec3,
-    /// Depth along the normal that the object asks of the node; negative is a gap.
+    /// Depth along the normal that the object prescribes at the node; negative is a gap.
     pub pressed: f64,
-    /// Displacement along the face that the object asks of the node.
+    /// Displacement along the face that the object prescribes at the node.
     pub dragged: DVec3,
-    /// Force to start from.
+    /// Initial force.
     pub force: DVec3,
 }
 
-/// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns for each the forces on all of `face`, and how much farther the pad
-/// must be closed for them.
+/// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns, for each, the forces on all of
+/// `face`, and the additional closing of the pad that they require.
 pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
-    // The part that each node takes, from zero to one: so a node that comes near does not make the forces jump.
+    // Participation of each node, from zero to one: smooth, so that the forces do not jump when a node comes near.
     let part = |(load, deepest): (&Vec<Touching>, &f64)| -> Vec<f64> {
         let of = |node: &Touching| {
             let near = (node.pressed / (REACH * deepest.max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
@@ -75,18 +76,18 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], fricti
     done
 }
 
-/// A node under several loads; zero under those that it takes no part in.
+/// Node under several loads; zero under those in which it does not take part.
 #[derive(Debug, Clone, Default)]
 struct Node {
     normal: [f64; 3],
-    /// Inverse of the response of the node to a force on itself, times the part that it takes.
+    /// Inverse of the normal response of the node to a force on itself, times its participation.
     stiff: Lanes,
     pressed: Lanes,
     dragged: [Lanes; 3],
     force: [Lanes; 3],
-    /// The force with its momentum.
+    /// Force extrapolated by the momentum.
     ahead: [Lanes; 3],
-    /// Results of a step: pressure if the pad comes no closer, then pressure; force along the face.
+    /// Results of a step: pressure without and then with the additional closing of the pad; force along the face.
     pressure: Lanes,
     along: [Lanes; 3],
 }
@@ -96,19 +97,19 @@ struct ProjectedGradient {
     nodes: Vec<Node>,
     /// Response (nodes * 3, nodes * 3): component of a node under a force component.
     matrix: Vec<f32>,
-    /// Size of a step.
+    /// Step size.
     size: Lanes,
-    /// Sums that stay: pressure, force along the face across the closing direction.
+    /// Sums that are preserved: pressure, and force along the face across the closing direction.
     whole: Lanes,
     along: [Lanes; 2],
     deepest: Lanes,
-    /// How much farther the pad closes, and slides.
+    /// Additional closing of the pad, and its sliding.
     closer: Lanes,
     slid: [Lanes; 2],
     loads: usize,
     /// Coulomb's coefficient.
     friction: f64,
-    /// Forces (nodes * 3, [`LANES`]), and the displacement that they cause.
+    /// Forces (nodes * 3, [`LANES`]), and the displacements that they cause.
     forces: Packed,
     moved: Vec<f32>,
 }
@@ -173,7 +174,7 @@ impl ProjectedGradient {
             node.ahead = node.force;
         }
         let sums = Arch::new().dispatch(Sums { matrix: &all.matrix, part: &part });
-        // A bound of the largest eigenvalue of the scaled matrix gives the step.
+        // The step size is the inverse of a bound on the largest eigenvalue of the scaled matrix.
         let mut bound = [1.0; LANES];
         for (sums, node) in sums.iter().zip(&all.nodes) {
             for l in 0..LANES {
@@ -184,7 +185,7 @@ impl ProjectedGradient {
         all
     }
 
-    /// Computes the displacement under the forces ahead.
+    /// Computes the displacements under the extrapolated forces.
     fn respond(&mut self) {
         let nodes = &self.nodes;
         self.forces.fill(3 * nodes.len(), LANES, |r, load| nodes[r / 3].ahead[r % 3][load] as f32);
@@ -192,7 +193,7 @@ impl ProjectedGradient {
         respond(a, &self.forces, self.loads, &mut self.moved);
     }
 
-    /// Takes a step, and computes the forces ahead of the next one.
+    /// Takes a step, and extrapolates the forces for the next one.
     #[inline(always)]
     fn step(&mut self, momentum: f64) {
         let moved = self.moved.as_chunks::<LANES>().0.as_chunks::<3>().0;
@@ -205,7 +206,7 @@ impl ProjectedGradient {
                 node.pressure[l] = at(&node.ahead) + gain * (node.pressed[l] - given);
             }
         }
-        // Newton's method on a piecewise linear function: the sum of the pressures stays.
+        // Newton's method on a piecewise linear function preserves the sum of the pressures.
         for _ in 0..4 {
             let (mut sum, mut slope) = ([0.0; LANES], [0.0; LANES]);
             for node in &self.nodes {
@@ -243,14 +244,15 @@ impl ProjectedGradient {
             }
         }
     }
-    /// Finds the sliding of the pad across the closing direction under which the sum of the forces along the face stays, by Newton's method
-    /// with halved steps (Coulomb's limit bends the sum), and puts these forces in place. Where more is asked than friction holds, the sum falls short.
+    /// Finds the sliding of the pad across the closing direction that preserves the sum of the forces along the face,
+    /// by Newton's method with step halving (Coulomb's limit makes the sum nonlinear), and stores these forces. Where
+    /// the sum exceeds what friction can carry, it is not reached.
     #[inline(always)]
     fn slide(&mut self) {
         let (mut step, mut least) = ([[0.0; LANES]; 2], [f64::INFINITY; LANES]);
         let mut tried = self.slid;
         for _ in 0..SLIDES {
-            // What is lacking from the sum, and its derivative: xx, xy, yy.
+            // Deficit of the sum, and the derivative of the sum: xx, xy, yy.
             let (mut lacks, mut slope) = (self.along, [[0.0; LANES]; 3]);
             for node in &self.nodes {
                 let n = node.normal;
@@ -290,7 +292,8 @@ impl ProjectedGradient {
     }
 }
 
-/// [`ProjectedGradient::step`] as a callable struct: it uses all registers of a processor, which a closure of this size would not.
+/// [`ProjectedGradient::step`] as a struct that is compiled for the vector instructions of the processor; a closure of
+/// this size would not be.
 struct Step<'a> {
     iteration: &'a mut ProjectedGradient,
     momentum: f64,
@@ -305,7 +308,8 @@ impl NullaryFnOnce for Step<'_> {
     }
 }
 
-/// Sums of the magnitudes of the responses of each node to all others, weighed by the `part` that these take: (nodes, loads).
+/// Sums of the magnitudes of the responses of each node to all others, weighted by their participation `part`: (nodes,
+/// loads).
 struct Sums<'a> {
     matrix: &'a [f32],
     part: &'a [Lanes],
@@ -331,8 +335,8 @@ impl NullaryFnOnce for Sums<'_> {
 }
 
 impl Node {
-    /// Computes the force along the face after sliding by `slid` under Coulomb's limit, the part of it that the limit leaves, and the inverse of its
-    /// square where it is at the limit, zero elsewhere.
+    /// Computes the force along the face after sliding by `slid`, under Coulomb's limit; the factor by which the limit
+    /// reduces it; and the inverse square of the limit where it is reached, zero elsewhere.
     #[inline(always)]
     fn slipped(&self, load: usize, gain: f64, friction: f64, slid: [f64; 2]) -> ([f64; 3], f64, f64) {
         let n = self.normal;

@@ -1,5 +1,5 @@
-//! Pad with every tetrahedron divided in eight: its small displacements are nearly those of the continuum, at the nodes of the mesh that it
-//! was made from, which are its first ones.
+//! Pad with every tetrahedron divided into eight: at the nodes of the original mesh, which are its first nodes, its
+//! small displacements are close to those of the continuum.
 
 use crate::geometry::mesh::{TetMesh, quadratic};
 use crate::mech::body::{Body, Elements};
@@ -12,13 +12,13 @@ use std::collections::BTreeMap;
 pub struct RefinedPad {
     /// Mesh and law, hand frame.
     pub body: Body,
-    /// Edges that have a node in their middle, sorted.
+    /// Edges that have a midpoint node, sorted.
     edges: Vec<[u32; 2]>,
     corners: usize,
 }
 
 impl RefinedPad {
-    /// Refines the pad of `finger`; None for 4-node tetrahedra, whose locking is part of what they answer.
+    /// Refines the pad of `finger`; None for 4-node tetrahedra, whose response includes their locking.
     pub fn of(finger: &FingerModel) -> Option<Self> {
         let ElementNodes::Quadratic(tets) = &finger.topology.elements else { return None };
         let body = &finger.body;
@@ -26,15 +26,15 @@ impl RefinedPad {
         let mesh = TetMesh { nodes: body.rest.clone(), tets };
         let (fine, edges) = (quadratic::promote(&mesh), quadratic::midpoint_edges(&mesh));
         let mut fixed = body.fixed.clone();
-        // The middle of an edge is glued where both its ends are.
+        // The midpoint of an edge is bonded if both its ends are.
         fixed.extend(edges.iter().map(|[a, b]| body.fixed[*a as usize] && body.fixed[*b as usize]));
         let elements = Elements::Quadratic(fine.tets);
         let fine = Body::new(fine.nodes, elements, fixed, body.material.clone(), body.mean_dilatation);
         Some(Self { body: fine, edges, corners: body.rest.len() })
     }
 
-    /// Returns the nodal forces of a unit of force around each of the nodes `face` of the pad of `finger`: its traction falls linearly to
-    /// zero at the neighbours.
+    /// Returns the nodal forces of a unit force around each of the nodes `face` of the pad of `finger`: the traction is
+    /// a hat function, which falls linearly to zero at the neighbours.
     pub fn hats(&self, finger: &FingerModel, face: &[u32]) -> Vec<Vec<(u32, f64)>> {
         let own: BTreeMap<u32, usize> = face.iter().enumerate().map(|(i, n)| (*n, i)).collect();
         let (mut whole, mut parts) = (vec![0.0; face.len()], vec![BTreeMap::new(); face.len()]);
@@ -69,19 +69,20 @@ impl RefinedPad {
     }
 }
 
-/// Part by which equal diagonals differ by their direction.
+/// Relative weight of the direction of a diagonal, which decides between diagonals of equal length.
 const TIE: f64 = 1e-6;
 
-/// Divides a 10-node tetrahedron into eight with 4 nodes: one at each corner, and the octahedron between them along its shortest diagonal.
+/// Divides a 10-node tetrahedron into eight 4-node ones: one at each corner, and four that divide the octahedron
+/// between them along its shortest diagonal.
 fn divided(t: &[u32; 10], rest: &[DVec3]) -> [[u32; 4]; 8] {
     let [a, b, c, d, ab, bc, ca, ad, bd, cd] = *t;
-    // Of equal ones, the same whatever the order of the nodes.
+    // Ties are broken independently of the order of the nodes.
     let length = |p: u32, q: u32| {
         let along = rest[q as usize] - rest[p as usize];
         along.length_squared() * (1.0 + TIE * along.normalize_or_zero().abs().dot(DVec3::new(1.0, 2.0, 3.0)))
     };
     let around = |p: u32, q: u32, ring: [u32; 4]| [0, 1, 2, 3].map(|k| [p, q, ring[k], ring[(k + 1) % 4]]);
-    // Each diagonal joins the middles of two opposite edges; the other four middles lie around it.
+    // Each diagonal joins the midpoints of two opposite edges; the other four midpoints form a ring around it.
     let diagonals = [(ab, cd, [bc, bd, ad, ca]), (bc, ad, [ab, bd, cd, ca]), (ca, bd, [ab, bc, cd, ad])];
     let (p, q, ring) =
         diagonals.into_iter().min_by(|x, y| length(x.0, x.1).total_cmp(&length(y.0, y.1))).unwrap_or(diagonals[0]);

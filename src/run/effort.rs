@@ -9,35 +9,36 @@
 //! network           LOAD x loads x nodes / 1e3
 //! ```
 //!
-//! with the unknowns N of the whole pads. The times meet those of the table "Speed against error" of `docs/results.md` (756 to 17,400 unknowns,
-//! whole, condensed and a network) to within a factor of three, and so those of the ten objects there but for the cuboid. The numbers of
-//! iterations are in the middle of those that it lists for the hard cases, to which `tests/scenes/expected_effort.rs` holds them: a face that is
-//! pressed flat takes a third, an object that rolls three times as many, and what stands on the edge of moving more than that.
+//! N is the number of unknowns of the full pads. The times agree with those of the table "Speed against error" of
+//! `docs/results.md` (756 to 17,400 unknowns, full, condensed and a network) to within a factor of three, and with
+//! those of the ten objects there except the cuboid. The numbers of iterations are in the middle of those that it lists
+//! for the hard cases, which `tests/scenes/expected_effort.rs` checks: a face that is pressed flat takes a third, a
+//! rolling object three times as many, and an object at the limit of stability more than that.
 
 use crate::model::Model;
 use crate::scene::{Fem, Scene, Solver, StepperChoice};
 use serde::Serialize;
 
-/// Factor within which seven of eight measured times lie about the expected one.
+/// Factor within which seven of eight measured times agree with the expected one.
 pub const EXPECTED_WITHIN: u32 = 3;
 
-/// Time in which the program starts and meshes, s.
+/// Time to start the program and to mesh, s.
 const START: f64 = 0.03;
-/// Time of a Newton iteration with 10,000 unknowns, s, increments that are refused included.
+/// Time of a Newton iteration with 10,000 unknowns, s, rejected increments included.
 const ITERATION: f64 = 0.1;
-/// Power of the unknowns.
+/// Exponent of the number of unknowns.
 const POWER: f64 = 1.2;
-/// Part of that time which a grasp with condensed pads takes.
+/// Fraction of that time that a grasp with condensed pads takes.
 const CONDENSED: f64 = 0.65;
-/// Iterations of a grasp with friction.
+/// Base number of iterations of a grasp with friction.
 const PATH: f64 = 32.0;
-/// Iterations of such a grasp for each of its frames.
+/// Additional iterations of such a grasp per frame.
 const FRAME: f64 = 2.0;
-/// Iterations of a frame without friction.
+/// Iterations per frame without friction.
 const ALONE: f64 = 10.0;
-/// Iterations of a step in time.
+/// Iterations per time step.
 const STEP: f64 = 2.3;
-/// Time of a load of a network with 1,000 nodes, s.
+/// Time of a network per load and 1,000 nodes, s.
 const LOAD: f64 = 2e-3;
 
 /// Expected time of the grasps of a scene.
@@ -54,7 +55,7 @@ pub struct ExpectedTime {
 }
 
 impl ExpectedTime {
-    /// Returns the time that `grasps` grasps of `scene`, whose model is `model`, are expected to take on this number of threads.
+    /// Returns the expected time of `grasps` grasps of `scene`, whose model is `model`, on this number of threads.
     pub fn of(scene: &Scene, model: &Model, grasps: usize, threads: usize) -> Self {
         let (iterations, grasp_s) = match &scene.stepper {
             StepperChoice::Fem(fem) => {
@@ -85,7 +86,7 @@ fn iterations(fem: &Fem, model: &Model) -> f64 {
     fem.effort.map_or(iterations, |most| iterations.min(most.get() as f64))
 }
 
-/// Returns the number of steps in time of a grasp, at least one to a frame; None if nothing moves in time.
+/// Returns the number of time steps of a grasp, at least one per frame; None for a quasi-static scene.
 pub fn steps(model: &Model) -> Option<f64> {
     let end = model.levels.last().copied().unwrap_or(0.0);
     model.dynamics.as_ref().map(|dynamics| (end / dynamics.time_step).ceil().max(model.levels.len() as f64))

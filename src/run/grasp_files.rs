@@ -14,10 +14,11 @@ use glam::{DQuat, DVec3};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Least time between two writings of the arrays over that of a writing.
+/// Least time between two writes of the arrays, over the duration of a write.
 const WORK: u32 = 10;
 
-/// Recorder that writes the frames of one grasp as they come. If it is dropped early, it still writes the arrays it holds.
+/// Recorder that writes the frames of one grasp as they arrive. If it is dropped early, it still writes its pending
+/// arrays.
 #[derive(Debug)]
 pub struct GraspRecorder {
     index: usize,
@@ -28,16 +29,16 @@ pub struct GraspRecorder {
     csv: Option<FramesCsv>,
     collection: Option<Collection>,
     arrays: Option<GraspArrays>,
-    /// Latest file of the object, and its pose there.
+    /// Latest file of the object, and the pose in it.
     shown: Option<(String, (DVec3, DQuat))>,
     last: Option<Frame>,
     frames: usize,
-    /// Time of the last writing of the arrays, and how long it took.
+    /// Time of the last write of the arrays, and its duration.
     written: (Instant, Duration),
 }
 
 impl GraspRecorder {
-    /// Starts `run_dir/grasp_<index>`. `object` is the object's surface in the object frame, m.
+    /// Starts recording in `run_dir/grasp_<index>`. `object` is the object's surface in the object frame, m.
     ///
     /// # Errors
     /// Fails if a pad or the object cannot be recorded, and if the directory or a file cannot be created.
@@ -91,8 +92,8 @@ impl GraspRecorder {
     /// Records the next frame.
     ///
     /// # Errors
-    /// Fails, and writes nothing, if the frame is not the next one, if a number is not finite or if a size does not fit. Fails if a
-    /// file cannot be written.
+    /// Fails, and writes nothing, if the frame is not the next one, if a number is not finite or if a size does not
+    /// match. Fails if a file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<()> {
         if frame.index != self.frames {
             let message = format!("frame {} recorded, frame {} is next", frame.index, self.frames);
@@ -105,7 +106,7 @@ impl GraspRecorder {
             write_atomic(&self.dir.join(&pads), vtu::pads(&self.topologies, frame).as_bytes())?;
             let here = (frame.shown_point(frame.object_position), frame.shown_rotation());
             let object = match &self.shown {
-                // It rests where it is on file.
+                // The object is still at the pose of this file.
                 Some((file, there)) if near(*there, here) => file.clone(),
                 _ => {
                     let file = format!("frames/object_{:04}.vtu", frame.index);
@@ -122,7 +123,7 @@ impl GraspRecorder {
         }
         if let Some(arrays) = &mut self.arrays {
             arrays.push(frame);
-            // Rewriting the whole archive per frame would cost the square of the frames.
+            // Rewriting the whole archive per frame would cost time quadratic in the number of frames.
             let (at, took) = self.written;
             if at.elapsed() >= self.options.flush_after.max(took * WORK) {
                 let clock = Instant::now();
@@ -137,7 +138,7 @@ impl GraspRecorder {
         Ok(())
     }
 
-    /// Writes what is left: the arrays and the picture of the last frame.
+    /// Writes the remaining files: the arrays and the picture of the last frame.
     ///
     /// # Errors
     /// Fails if a file cannot be written or the picture cannot be drawn.
@@ -162,7 +163,7 @@ impl Drop for GraspRecorder {
         if let Some(arrays) = &mut self.arrays
             && arrays.pending() > 0
         {
-            // Whatever ends the grasp early has its own error; this one has nowhere to go.
+            // The cause of the early end has its own error; this one cannot be returned.
             let _ = arrays.write();
         }
     }
@@ -173,7 +174,7 @@ pub fn directory(index: usize) -> String {
     format!("grasp_{index:03}")
 }
 
-/// Returns true if two poses differ by rounding alone: 1 nm, 1 nrad.
+/// Returns true if two poses differ only by rounding: 1 nm, 1 nrad.
 fn near((p, q): (DVec3, DQuat), (other, turned): (DVec3, DQuat)) -> bool {
     (p - other).abs().max_element() <= 1e-9 && (q - turned).length() <= 1e-9
 }

@@ -1,4 +1,4 @@
-//! Execution of the grasps of a scene, several at once, with the same bits on any number of threads.
+//! Execution of the grasps of a scene, several in parallel, with bitwise identical results on any number of threads.
 
 pub mod effort;
 pub mod grasp_files;
@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// Receives events while grasps run, from whichever thread runs them. An error ends the run.
+/// Receiver of events while grasps run, on the threads that run them. An error ends the run.
 pub trait Observer: Sync {
     /// Receives the start of grasp `index`.
     fn begin(&self, _index: usize) -> Result<()> {
@@ -68,19 +68,20 @@ pub struct Outcome {
     pub summary: GraspSummary,
     /// Quantities for the scene's expectations.
     pub measured: Measured,
-    /// Times of the stages, s: the stages of the stepper; `spawn`, the world; `first_contact`, placing and closing; `record`, the
-    /// time of the observer; `other`, the rest.
+    /// Times of the stages, s: the stages of the stepper; `spawn`, creation of the world; `first_contact`, placing and
+    /// closing; `record`, the observer; `other`, the rest.
     pub timings: Timings,
 }
 
 /// Runs `grasps` (number and pose of the hand) on `threads` threads; the outcomes are in the order of `grasps`.
 ///
-/// The number of grasps that run at once is limited by threads and memory. Each has a pool of its own: a thread that waits for a
-/// pad never picks up another grasp meanwhile, so the wall time of a grasp is its own. Threads left over are shared among the pads.
+/// The number of grasps that run in parallel is limited by threads and memory. Each has its own thread pool: a thread
+/// that waits for a pad never starts another grasp meanwhile, so the wall time of a grasp is its own. Surplus threads
+/// compute pads in parallel.
 ///
 /// # Errors
-/// Returns the first error of the observer or of setting up an environment, or [`Error::Interrupted`] if an end was requested
-/// before all grasps had run. A grasp that fails is an outcome, not an error.
+/// Returns the first error of the observer or of setting up an environment, or [`Error::Interrupted`] if an end was
+/// requested before all grasps had run. A grasp that fails is an outcome, not an error.
 pub fn run_grasps(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -132,7 +133,7 @@ pub fn run_grasps(
     Ok(done)
 }
 
-/// Returns the number of grasps whose memory is free at once; at least one.
+/// Returns the number of grasps that fit into free memory at once; at least one.
 fn fitting(model: &Model) -> usize {
     let most = free_memory().map_or(usize::MAX, |free| (free / model.memory.max(1)) as usize);
     most.max(1)
@@ -141,7 +142,8 @@ fn fitting(model: &Model) -> usize {
 /// Runs one grasp to its end.
 ///
 /// # Errors
-/// Fails if the observer fails or the environment cannot be set up; returns [`Error::Interrupted`] if an end was requested.
+/// Fails if the observer fails or the environment cannot be set up; returns [`Error::Interrupted`] if an end was
+/// requested.
 pub fn run_grasp(
     model: &Arc<Model>,
     stepper: &dyn Stepper,
@@ -161,7 +163,7 @@ pub fn run_grasp(
         if matches!(before, Phase::Place | Phase::Close) {
             closing += started.elapsed().as_secs_f64();
         }
-        // Of what it was in the middle of nothing is kept: the solver gave up without need.
+        // An unfinished grasp is discarded: its solver may have stopped only because of the request.
         if phase != Phase::Done {
             interrupt::check()?;
         }
@@ -193,7 +195,7 @@ struct Tally {
     measured: Option<Measured>,
     summary: Option<GraspSummary>,
     motion: motion::MotionTally,
-    /// Fault of the first frame that is physically impossible: not every backend stops there.
+    /// Fault of the first frame that is physically impossible; not every backend stops there.
     unsound: Option<String>,
 }
 

@@ -1,14 +1,14 @@
-//! Quantities of motion on which the expectations of a dynamic scene are judged.
+//! Motion quantities for the expectations of a dynamic scene.
 
 use crate::judge::Measured;
 use crate::model::Model;
 use crate::record::{Frame, Moving};
 use glam::{DQuat, DVec3};
 
-/// Tally that follows an object through the frames of a grasp.
+/// Tally of the motion of an object over the frames of a grasp.
 #[derive(Debug, Default)]
 pub struct MotionTally {
-    /// Pose of the object, in the frame of what holds it, from which slip counts.
+    /// Reference pose of the object for slip: in the hand frame, or in the world if there are no fingers.
     held: Option<(DVec3, DQuat)>,
 }
 
@@ -26,7 +26,7 @@ impl MotionTally {
         let torque = (0..frame.pads.len()).map(about).sum::<f64>().abs();
         m.torque_n_m = torque.max(if m.torque_n_m.is_nan() { 0.0 } else { m.torque_n_m });
         m.momentum_drift = drift(model, moving).max(if m.momentum_drift.is_nan() { 0.0 } else { m.momentum_drift });
-        // The hand holds an object once it has squeezed it; without fingers the world does, from the start.
+        // The hand holds an object after squeezing it; without fingers, the world holds it from the start.
         let now = match model.fingers.is_empty() {
             true => (world, moving.hand_rotation * rotation),
             false => (position + rotation * center, rotation),
@@ -44,7 +44,7 @@ impl MotionTally {
     }
 }
 
-/// Returns the change of the momenta since the start over their size there, the larger of the two; NaN where the start has none.
+/// Returns the larger of the relative changes of linear and angular momentum since the start; NaN if both were zero.
 fn drift(model: &Model, moving: &Moving) -> f64 {
     let Some(dynamics) = &model.dynamics else { return f64::NAN };
     let inertia = model.object.mass.inertia * (model.mass / model.object.mass.volume);

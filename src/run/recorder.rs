@@ -1,4 +1,4 @@
-//! Directory of a run: creates it, hands out grasps, keeps `run.json` current.
+//! Directory of a run: creates it, starts the recorders of grasps, keeps `run.json` current.
 
 use super::grasp_files::GraspRecorder;
 use crate::error::{Error, Result};
@@ -24,16 +24,16 @@ pub struct Options {
     pub csv: bool,
     /// True to write `arrays.npz`.
     pub arrays: bool,
-    /// True if frames have a motion in time.
+    /// True if frames contain motion in time.
     pub moving: bool,
-    /// True if frames have the error of a prediction.
+    /// True if frames contain the error bound of a prediction.
     pub predicted: bool,
     /// Scalar that colours `pads.png` of the last frame; None for no picture.
     pub picture: Option<Scalar>,
-    /// Time after which `arrays.npz` is rewritten with the frames since: the most work that a killed run can lose of it, and ten times that of
-    /// the writing, where that is more.
+    /// Time between two writes of `arrays.npz`, or ten times the duration of a write if that is longer: a killed run
+    /// loses at most the frames of this time.
     pub flush_after: Duration,
-    /// True to replace an earlier run in the same directory instead of refusing.
+    /// True to replace an earlier run in the same directory instead of failing.
     pub overwrite: bool,
     /// Name of the object in the picture's title.
     pub object_name: String,
@@ -67,14 +67,14 @@ pub struct RunRecorder {
     dir: PathBuf,
     options: Options,
     report: RunReport,
-    /// Summaries by place in the order and number of the grasp.
+    /// Summaries by position in the order and number of the grasp.
     grasps: BTreeMap<(usize, usize), GraspSummary>,
     lock: FolderLock,
 }
 
 impl RunRecorder {
-    /// Creates `dir`, locks it until the end, and writes a first `run.json`, so that a directory that cannot be written fails
-    /// before anything is computed.
+    /// Creates `dir`, locks it until the end of the run, and writes an initial `run.json`, so that a directory that
+    /// cannot be written fails before anything is computed.
     ///
     /// # Errors
     /// Fails if another run is writing to the directory, if it holds an earlier run, or if it cannot be written.
@@ -93,7 +93,7 @@ impl RunRecorder {
         Ok(recorder)
     }
 
-    /// Returns a notice for the user about how the directory is held; None if there is nothing to say.
+    /// Returns a notice for the user if the directory is held without a lock of the system.
     pub fn notice(&self) -> Option<String> {
         self.lock.notice()
     }
@@ -103,12 +103,13 @@ impl RunRecorder {
         &self.dir
     }
 
-    /// Returns the report so far, e.g. to fill in the pads once they are meshed; it is written at the end of every grasp.
+    /// Returns the report so far, e.g. to add the pads once they are meshed; it is written at the end of every grasp.
     pub fn report_mut(&mut self) -> &mut RunReport {
         &mut self.report
     }
 
-    /// Starts recording grasp `index`. The first grasp also writes the meshes of the run. The recorder may move to another thread.
+    /// Starts recording grasp `index`. The first grasp also writes the meshes of the run. The recorder may be sent to
+    /// another thread.
     ///
     /// # Errors
     /// Fails if the meshes cannot be written, and as [`GraspRecorder::create`] does.
@@ -119,18 +120,18 @@ impl RunRecorder {
         GraspRecorder::create(&self.dir, &self.options, index, topologies, object)
     }
 
-    /// Completes the files of a grasp and enters its summary in `run.json`.
+    /// Completes the files of a grasp and adds its summary to `run.json`.
     ///
     /// # Errors
     /// Fails if `run.json` or a file of the grasp cannot be written, or if its picture cannot be drawn.
     pub fn end_grasp(&mut self, grasp: GraspRecorder, summary: GraspSummary) -> Result<()> {
         let index = grasp.index();
-        // The summary first: it must not be lost to a picture that cannot be drawn.
+        // The summary first: it must not be lost if the picture cannot be drawn.
         self.skip_grasp(index, summary)?;
         grasp.finish()
     }
 
-    /// Enters the summary of a grasp that has no files (infeasible from the start).
+    /// Adds the summary of a grasp that has no files (infeasible from the start).
     ///
     /// # Errors
     /// Fails if `run.json` cannot be written.
@@ -143,7 +144,7 @@ impl RunRecorder {
         self.report.write(&self.dir.join("run.json"))
     }
 
-    /// Adds the effects of small changes on the grasps, in order.
+    /// Adds the sensitivities of the grasps, in order.
     pub fn add_sensitivity(&mut self, answers: Vec<Vec<Moved>>) {
         for (grasp, moved) in self.report.grasps.iter_mut().zip(answers) {
             grasp.sensitivity = moved;
@@ -178,7 +179,7 @@ fn remove_meshes(dir: &Path) -> Result<()> {
     }
 }
 
-/// Removes `grasp_<digits>` directories, nothing else: frames of two runs must not mix, and other files belong to someone else.
+/// Removes only `grasp_<digits>` directories: frames of two runs must not mix, and other files are not of a run.
 fn remove_grasps(dir: &Path) -> Result<()> {
     let entries = std::fs::read_dir(dir).map_err(|e| cannot_write(dir, &e))?;
     for entry in entries.flatten() {

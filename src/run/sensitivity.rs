@@ -1,7 +1,8 @@
-//! Sensitivity of a grasp: the motion of pads and object when quantities that are not exactly known change a little.
+//! Sensitivity of a grasp: difference in the motion of pads and object under small changes of quantities that are not
+//! known exactly.
 //!
-//! A ball hardly changes; a capsule on its edge turns elsewhere when friction changes by a tenth. Errors of a solver or a network
-//! below that spread have no meaning, and do not show which result is right.
+//! A ball hardly changes; a capsule on its edge rotates differently when the friction coefficient changes by 0.1.
+//! Errors of a solver or a network below these differences are not significant, and do not show which result is right.
 
 use super::{Observer, Outcome, run_grasps};
 use crate::distance::{Distance, Points, Probe};
@@ -17,17 +18,17 @@ use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// List of all changes, in the order of the report.
+/// All changes, in the order of the report.
 pub const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
 
-/// Relative change of friction.
+/// Increase of the friction coefficient.
 const FRICTION: f64 = 0.1;
-/// Turn of the hand, rad.
+/// Rotation of the hand, rad.
 const TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Shift of the hand, m.
 const SHIFT: f64 = 2e-4;
 
-/// Returns true if a change means anything for `model`.
+/// Returns true if a change affects `model`.
 fn applies(change: Change, model: &Model) -> bool {
     change != Change::Release || model.lets_go()
 }
@@ -52,7 +53,7 @@ fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
 fn changed_pose(change: Change, mut pose: GraspPose) -> GraspPose {
     match change {
         Change::Turn => {
-            // About the point between the pads, which stays where it is.
+            // Rotation about the point between the pads, which does not move.
             let turn = DQuat::from_axis_angle(DVec3::Y, TURN);
             let grip = DVec3::Z * crate::scene::defaults::PLACEMENT_Z.get();
             pose.position += pose.rotation * (grip - turn * grip);
@@ -88,8 +89,8 @@ impl Ends {
     }
 }
 
-/// Runs `grasps` of `scene`, which ended as `base` says, with every change. Returns the effects of each change, per grasp. It takes
-/// four times the work of a run.
+/// Runs `grasps` of `scene`, which ended as in `base`, with every change. Returns the effects of each change, per
+/// grasp. This takes up to four times the work of a run.
 ///
 /// # Errors
 /// Fails if a model cannot be built, and if grasps cannot be run.

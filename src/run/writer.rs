@@ -7,7 +7,7 @@ use crate::record::{Frame, PadTopology};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Writer of a run: every frame as it comes.
+/// Writer of a run: writes every frame when it arrives.
 #[derive(Debug)]
 pub struct RunWriter {
     model: Arc<Model>,
@@ -24,7 +24,7 @@ impl RunWriter {
         Self { model: model.clone(), topologies, recorder: Mutex::new(recorder), open: Mutex::default() }
     }
 
-    /// Returns a notice for the user about how the directory is held; None if there is nothing to say.
+    /// Returns a notice for the user if the directory is held without a lock of the system.
     pub fn notice(&self) -> Option<String> {
         self.recorder.lock().unwrap_or_else(PoisonError::into_inner).notice()
     }
@@ -41,7 +41,7 @@ fn lock<T>(mutex: &Mutex<T>) -> Result<MutexGuard<'_, T>> {
 
 impl Observer for RunWriter {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
-        // Out of the map while it writes, so that other grasps need not wait.
+        // Removed from the map while it writes, so that other grasps need not wait.
         let open = lock(&self.open)?.remove(&index);
         let mut grasp = match open {
             Some(grasp) => grasp,

@@ -1,4 +1,5 @@
-//! The only place where the state of a world is declared: every component with its unit, its range and who writes it.
+//! The only declaration of the state of a world: every component with its unit, its range and the system that writes
+//! it.
 //!
 //! | entity | components | spawned |
 //! |---|---|---|
@@ -10,16 +11,17 @@
 //! | tetrahedron | [`FingerIndex`], [`TetStress`] | stress is recorded or expected |
 //! | contact edge | [`FingerIndex`], [`ContactEdge`] | with finite elements, a fixed pool |
 //! | | [`ContactFriction`] | friction is above zero |
-//! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`], [`FingerForce`], [`FingerWrench`] | always |
-//! | | [`ContactArea`] | the area that touches is observed |
+//! | finger | [`FingerIndex`], [`ClosingDirection`], [`FirstContact`], [`FingerTravel`] | always |
+//! | | [`FingerForce`], [`FingerWrench`] | always |
+//! | | [`ContactArea`] | the contact area is observed |
 //! | object | [`ObjectPose`] | always |
 //! | | [`ObjectWeight`] | gravity is set, or an agent acts, and the object may move |
 //! | | [`ObjectVelocity`], [`ObjectMomentum`], [`InertialWrench`] | the scene is dynamic and the object may move |
 //! | | [`GroundWrench`] | there is a ground and the object may move |
 //! | hand | [`HandPose`] | the scene is dynamic |
 //!
-//! Nothing is despawned and no component comes or goes after the spawn, so that columns stay contiguous and in spawn
-//! order; indices, not rows, are the order that counts.
+//! No entity is despawned and no component is added or removed after the spawn, so that columns stay contiguous and in
+//! spawn order; the defined order is that of the indices, not that of the rows.
 
 use crate::error::Result;
 use bevy_ecs::component::Component;
@@ -32,8 +34,8 @@ use std::ops::Range;
 /// Reason why columns are contiguous.
 pub(crate) const TABLES: &str = "components are stored in tables";
 
-/// Rows of a table that belong to each pad, with the number of its finger: nodes, tetrahedra and contact edges are spawned pad by pad, in
-/// the order of their index, and never removed.
+/// Returns the rows of a table that belong to each pad, with the number of its finger: nodes, tetrahedra and contact
+/// edges are spawned pad by pad, in the order of their index, and never removed.
 pub(crate) fn rows_by_pad(finger: &[FingerIndex]) -> impl Iterator<Item = (usize, Range<usize>)> {
     let mut end = 0;
     finger.chunk_by(|a, b| a.0 == b.0).map(move |rows| {
@@ -87,7 +89,7 @@ macro_rules! components {
 components! {
     /// Finger that the entity is or belongs to: 0 left, 1 right. Written at spawn.
     FingerIndex(u32);
-    /// Rest position of a node, m, hand frame at zero travel. Written at spawn.
+    /// Reference position of a node, m, hand frame at zero travel. Written at spawn.
     RestPosition(DVec3);
     /// Position of a node, m, in hand axes relative to its finger: in the hand frame it is at
     /// `Position + FingerTravel * ClosingDirection`. Written by the stepper.
@@ -100,50 +102,52 @@ components! {
     ContactForce(DVec3);
     /// Signed distance of a node to the object, m; negative inside. Written by `measure_gap`.
     NodeGap(f64);
-    /// Part of the contact force of a node that is carried by points that slide, 0 to 1. Written by `measure_slip`.
+    /// Fraction of the contact force of a node that slipping points carry, 0 to 1. Written by `measure_slip`.
     NodeSlip(f64);
-    /// Area of the pad of a finger that touches the object, m2, at rest. Written by `measure_contact_area`.
+    /// Contact area of the pad of a finger, m2, in the reference state. Written by `measure_contact_area`.
     ContactArea(f64);
     /// Unit vector along which a finger closes, hand frame. Written at spawn.
     ClosingDirection(DVec3);
     /// Travel of a finger at first contact, m, 0 to the stroke. Written once by `close_to_contact`.
     FirstContact(f64);
-    /// Travel of a finger from the open gripper, m, 0 to the stroke. Written by `close_to_contact`, then by the stepper.
+    /// Travel of a finger from the open gripper, m, 0 to the stroke. Written by `close_to_contact`, then by the
+    /// stepper.
     FingerTravel(f64);
-    /// Force that closes a finger, N, >= 0: given by `set_load`, or, where travel is prescribed, what the finger's mount
-    /// had to give, written by the stepper.
+    /// Force that closes a finger, N, >= 0: set by `set_load`; if travel is prescribed, the reaction of the finger's
+    /// mount, written by the stepper.
     FingerForce(f64);
-    /// Weight of a free object, N, hand frame; where an agent acts, with all that pulls at it. Written at spawn, by the
-    /// stepper where the hand turns, by [`crate::env`] before a step.
+    /// Weight of a free object, N, hand frame; in the world of an agent, the total load on it. Written at spawn, by the
+    /// stepper if the hand rotates, by [`crate::env`] before a step.
     ObjectWeight(DVec3);
 }
 
-/// One potential contact between a pad and the object, of a fixed pool. Written by the stepper, which goes on from it.
+/// Potential contact between a pad and the object, from a fixed pool. Written by the stepper, which reads it in the
+/// next step.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ContactEdge {
-    /// Distance of the pad's point to the object, m; `+inf` where too far to matter.
+    /// Distance of the pad's point to the object, m; `+inf` if out of range.
     pub gap: f64,
-    /// Outward normal of the object at the contact, unit, hand frame; zero where too far to matter.
+    /// Outward normal of the object at the contact, unit, hand frame; zero if out of range.
     pub normal: DVec3,
     /// Pressure, Pa, >= 0.
     pub pressure: f64,
     /// Stiffness factor, >= 1: raised where the pressure would use up the contact offset.
     pub scale: f64,
-    /// Point at which the force acts, m, hand frame; zero where too far to matter.
+    /// Point at which the force acts, m, hand frame; zero if out of range.
     pub point: DVec3,
     /// Force on the pad, friction included, N, hand frame.
     pub force: DVec3,
 }
 
-/// Friction on a contact edge. Written by the stepper, which goes on from it.
+/// Friction on a contact edge. Written by the stepper, which reads it in the next step.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ContactFriction {
-    /// Point at which the edge sticks, m: object frame for a point of the pad, hand axes relative to the finger for a feature of the
-    /// object.
+    /// Friction anchor (sticking point), m: object frame for a point of the pad, hand axes relative to the finger for a
+    /// contact vertex of the object.
     pub anchor: Option<DVec3>,
-    /// Normal of the plane that friction acts in, hand frame; zero where nothing was ever touched.
+    /// Normal of the friction plane, hand frame; zero before any contact.
     pub plane: DVec3,
-    /// Coulomb's limit, Pa.
+    /// Coulomb limit of the traction, Pa.
     pub limit: f64,
     /// Friction traction on the pad, Pa, hand frame.
     pub traction: DVec3,

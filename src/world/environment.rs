@@ -1,5 +1,4 @@
-//! One environment: a world and its schedule. Environments share the [`Model`] and nothing else, so any number may run
-//! side by side.
+//! Environment: a world and its schedule. Environments share only the [`Model`], so any number may run in parallel.
 
 use crate::error::{Error, Result};
 use crate::gripper::GraspPose;
@@ -14,7 +13,7 @@ use bevy_ecs::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A grasp being simulated.
+/// Simulation of one grasp.
 pub struct Environment {
     world: World,
     schedule: Schedule,
@@ -24,7 +23,7 @@ impl Environment {
     /// Creates the grasp of `model` at `pose`, advanced by `stepper`; the object is not placed yet.
     ///
     /// # Errors
-    /// Fails if the stepper refuses the scene, or if systems touch the same data in no order.
+    /// Fails if the stepper rejects the scene, or if systems access the same data in an undefined order.
     pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
         let mut world = spawn(model, pose);
         let mut schedule = schedule(&model.needs);
@@ -36,10 +35,10 @@ impl Environment {
         Ok(Self { world, schedule })
     }
 
-    /// Begins anew with another grasp of the same model and the same stepper, as if just made.
+    /// Restarts with another grasp of the same model and the same stepper, as if newly created.
     ///
     /// # Errors
-    /// Fails if the stepper refuses the scene.
+    /// Fails if the stepper rejects the scene.
     pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
         let model = self.model().clone();
         if stepper.chooses_systems() {
@@ -50,17 +49,17 @@ impl Environment {
         stepper.prepare(&mut self.world)
     }
 
-    /// The model that is grasped.
+    /// Returns the model that is grasped.
     pub fn model(&self) -> &Arc<Model> {
         &self.world.resource::<Shared>().0
     }
 
-    /// Pose of the hand in the object frame.
+    /// Returns the pose of the hand in the object frame.
     pub fn pose(&self) -> GraspPose {
         self.world.resource::<CurrentGrasp>().0
     }
 
-    /// Runs one step of the procedure; does nothing once [`Phase::is_final`]. Returns the phase of the next step.
+    /// Runs one step of the procedure, unless [`Phase::is_final`]. Returns the phase of the next step.
     pub fn step(&mut self) -> Phase {
         if !self.phase().is_final() {
             self.world.resource_mut::<Recorded>().0 = None;
@@ -69,47 +68,48 @@ impl Environment {
         self.phase()
     }
 
-    /// The phase of the next step.
+    /// Returns the phase of the next step.
     pub fn phase(&self) -> Phase {
         self.world.resource::<Phase>().clone()
     }
 
-    /// The frame that the last step made, if it made one.
+    /// Returns the frame of the last step, if it made one.
     pub fn frame(&self) -> Option<&Frame> {
         self.world.resource::<Recorded>().0.as_ref()
     }
 
-    /// Takes the frame that the last step made out of the world.
+    /// Removes the frame of the last step from the world and returns it.
     pub fn take_frame(&mut self) -> Option<Frame> {
         self.world.resource_mut::<Recorded>().0.take()
     }
 
-    /// Findings of the audit in the frame that the last step made; None if the scene promises nothing that it judges.
+    /// Returns the findings of the audit in the frame of the last step; None if no expectation of the scene requires an
+    /// audit.
     pub fn findings(&self) -> Option<Findings> {
         self.frame().and(self.world.get_resource::<Audited>()?.0)
     }
 
-    /// Reason why this grasp went from the network to finite elements; None if it did not.
+    /// Returns the reason why this grasp fell back from the network to finite elements; None if it did not.
     pub fn handed_over(&self) -> Option<&str> {
         self.world.get_resource::<HandedOver>().map(|reason| reason.0.as_str())
     }
 
-    /// Time that the stepper has spent so far, by stage.
+    /// Returns the time that the stepper has spent so far, by stage.
     pub fn timings(&self) -> &Timings {
         self.world.resource::<Timings>()
     }
 
-    /// The world, for reading.
+    /// Returns the world, read-only.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The world, for queries or changes between steps: the next step starts from what its columns hold.
+    /// Returns the world, for queries or changes between steps: the next step starts from its columns.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }
 
-    /// Names of the systems that run, in their order, per set.
+    /// Returns the names of the systems that run, in their order, per set.
     pub fn systems(&self) -> Vec<(StepSet, Vec<String>)> {
         let mut sets = Vec::new();
         for set in StepSet::ALL {
@@ -123,7 +123,7 @@ impl Environment {
         sets
     }
 
-    /// Number of entities with each component of [`crate::world::components`].
+    /// Returns the number of entities with each component of [`crate::world::components`].
     pub fn components(&self) -> BTreeMap<String, usize> {
         let mut counts = BTreeMap::new();
         for archetype in self.world.archetypes().iter().filter(|a| !a.is_empty()) {

@@ -1,4 +1,4 @@
-//! The world of a grasp: components, the schedule of a step, the systems that every stepper shares.
+//! World of a grasp: components, the schedule of a step, and the systems common to all steppers.
 
 pub mod components;
 pub mod environment;

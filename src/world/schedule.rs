@@ -1,4 +1,4 @@
-//! Schedule of a step: the order of its systems, decided once, and the resources that a step hands from set to set.
+//! Schedule of a step: the order of its systems, fixed once, and the resources that pass between the sets of a step.
 //!
 //! ```text
 //! Control  -> Sense            -> Advance        -> Accept   -> Measure                 -> Record
@@ -6,8 +6,8 @@
 //! load level  columns -> solver   state -> columns  pads meet   balance, wrench            next phase
 //! ```
 //!
-//! A run of the schedule is one step of the published procedure, which is an explicit state ([`Phase`]):
-//! place the object in the hand, close to first contact, then one recorded load level per step.
+//! A run of the schedule is one step of the published procedure, whose state is explicit ([`Phase`]): place the object
+//! in the hand, close to first contact, then one recorded load level per step.
 
 use crate::gripper::GraspPose;
 use crate::mech::path::continuation::Methods;
@@ -20,16 +20,16 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The sets of a step, run in this order.
+/// Sets of a step, run in this order.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StepSet {
     /// Commands of the gripper: pose at the start, then the load of the next frame.
     Control,
-    /// State at the start of the step: first contact; the solver takes its state from the columns.
+    /// State at the start of the step: first contact; the solver reads its state from the columns.
     Sense,
     /// The stepper brings the state to the new load.
     Advance,
-    /// Check that the model covers the state just reached.
+    /// Check that the model is valid in the state just reached.
     Accept,
     /// Results: contact forces, stress, energy, balance.
     Measure,
@@ -43,14 +43,14 @@ impl StepSet {
         [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
 }
 
-/// Phase of a grasp in the procedure. It is constant during a step; `turn_phase` moves it on at the end.
+/// Phase of a grasp in the procedure. It is constant during a step; `turn_phase` advances it at the end.
 #[derive(Resource, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Phase {
-    /// The object goes to its pose in the open hand.
+    /// The object is placed at its pose in the open hand.
     Place,
-    /// The fingers close until their pads touch.
+    /// The fingers close until their pads touch the object.
     Close,
-    /// The load rises; the step makes this frame.
+    /// The load rises; the step computes this frame.
     Ramp {
         /// Number of the frame, from 0.
         frame: usize,
@@ -62,14 +62,14 @@ pub enum Phase {
         /// Reason, and load at which the object left.
         reason: String,
     },
-    /// The stepper gave up; the state is the last accepted one.
+    /// The stepper failed; the state is the last accepted one.
     Fault {
-        /// Reason, and load at which the stepper gave up.
+        /// Reason, and load at which the stepper failed.
         reason: String,
     },
     /// The grasp cannot start.
     Infeasible {
-        /// Reason, and what would help.
+        /// Reason, and remedy.
         reason: String,
     },
 }
@@ -81,17 +81,18 @@ impl Phase {
     }
 }
 
-/// Reason why a grasp ends before its loading is reached.
+/// Reason why a grasp ends before it reaches its load.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stop {
-    /// Flag: the object has left the grasp, as a real one would; else nothing was found, or the grasp could not start.
+    /// Flag: the object has left the grasp, as in reality; otherwise no solution was found, or the grasp could not
+    /// start.
     pub dropped: bool,
     /// Reason, and load at which the grasp ends.
     pub reason: String,
 }
 
 impl Stop {
-    /// Creates the stop of a solver that gave up.
+    /// Creates the stop of a solver that failed.
     pub fn fault(reason: impl Into<String>) -> Self {
         Self { dropped: false, reason: reason.into() }
     }
@@ -103,23 +104,23 @@ impl From<Stop> for Phase {
     }
 }
 
-/// The phase of the next step, if a system of this step asked for one. The first to ask is heard.
+/// Phase of the next step, if a system of this step requested one. The first request applies.
 #[derive(Resource, Debug, Default)]
 pub struct Next(Option<Phase>);
 
 impl Next {
-    /// Asks for `phase`.
+    /// Requests `phase`, unless another one was requested before.
     pub fn request(&mut self, phase: Phase) {
         self.0.get_or_insert(phase);
     }
 
-    /// Takes the phase that was asked for.
+    /// Removes the requested phase and returns it.
     pub fn take(&mut self) -> Option<Phase> {
         self.0.take()
     }
 }
 
-/// The model, which never changes, shared with all other worlds of the scene.
+/// Model, which is constant and shared with all other worlds of the scene.
 #[derive(Resource, Debug, Clone)]
 pub struct Shared(pub Arc<Model>);
 
@@ -127,19 +128,19 @@ pub struct Shared(pub Arc<Model>);
 #[derive(Resource, Debug, Clone, Copy)]
 pub struct CurrentGrasp(pub GraspPose);
 
-/// A load given from outside, step by step; without it the levels of the scene apply, one after the other.
+/// Load given externally, step by step; without it the levels of the scene apply, one after the other.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForceCommand {
     /// Force per finger, N.
     pub force: f64,
 }
 
-/// Load that the stepper is asked for in this step. Written by `set_load`.
+/// Load of this step, for the stepper. Written by `set_load`.
 #[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct StepLoad {
     /// Load per finger, N or m after first contact; in a dynamic scene the time, s.
     pub level: f64,
-    /// Part of the push on the object that acts; zero without one.
+    /// Fraction of the push on the object that acts; zero without a push.
     pub push: f64,
 }
 
@@ -154,11 +155,11 @@ pub struct StepReport {
     pub residual: f64,
     /// Value of the potential, J.
     pub energy: f64,
-    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`]; `+inf` if nobody measures it.
+    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`]; `+inf` if not measured.
     pub min_det_f: f64,
-    /// Smallest gap between pads and object, m; `+inf` if nobody measures it.
+    /// Smallest gap between pads and object, m; `+inf` if not measured.
     pub min_gap: f64,
-    /// Error of a prediction by its own account; None for what was computed.
+    /// Error bound that a network predicts for its own result; None for a computed state.
     pub error: Option<ErrorBound>,
 }
 
@@ -172,7 +173,8 @@ impl Default for StepReport {
 /// Balance of the forces of a frame.
 #[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct BalanceReport {
-    /// Flag: the object is held where it is by something outside the scene; then only the fingers' forces have to add up.
+    /// Flag: the object is held fixed by a support outside the scene; then only the forces along the closing direction
+    /// must balance, summed over the fingers.
     pub object_fixed: bool,
     /// Weight and push on the object: force and torque about its centre of mass, hand frame.
     pub load: Wrench,
@@ -195,7 +197,7 @@ pub struct Timings {
     pub methods: Methods,
 }
 
-/// Reason why this grasp went from the network to finite elements.
+/// Reason why this grasp fell back from the network to finite elements.
 #[derive(Resource, Debug, Clone)]
 pub struct HandedOver(pub String);
 
@@ -203,21 +205,21 @@ pub struct HandedOver(pub String);
 #[derive(Resource, Debug, Default)]
 pub struct Recorded(pub Option<Frame>);
 
-/// Label of the one schedule of a world.
+/// Label of the only schedule of a world.
 #[derive(ScheduleLabel, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct StepLabel;
 
-/// Condition: the step makes a frame.
+/// Run condition: the step computes a frame.
 pub fn ramping(phase: Res<Phase>) -> bool {
     matches!(*phase, Phase::Ramp { .. })
 }
 
-/// Condition: the stepper reached the level of this step.
+/// Run condition: the stepper reached the level of this step.
 pub fn reached(report: Res<StepReport>) -> bool {
     report.reached
 }
 
-/// The schedule with everything but a stepper. Two systems that touch the same data without an order are an error.
+/// Returns the schedule without a stepper. Two systems that access the same data in an undefined order are an error.
 pub fn schedule(needs: &Needs) -> Schedule {
     let mut schedule = Schedule::new(StepLabel);
     schedule.set_build_settings(ScheduleBuildSettings {
@@ -225,7 +227,7 @@ pub fn schedule(needs: &Needs) -> Schedule {
         hierarchy_detection: LogLevel::Error,
         ..ScheduleBuildSettings::new()
     });
-    // Worlds run side by side; within one, threads would only cost.
+    // Worlds run in parallel; within one, threads would only add overhead.
     schedule.set_executor(SingleThreadedExecutor::new());
     use StepSet::*;
     schedule.configure_sets((Control, Sense, Advance, Accept, Measure, Record).chain());

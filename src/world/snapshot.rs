@@ -1,4 +1,4 @@
-//! Snapshots of a world: the columns that a step may change, the resources of a step, and what the stepper remembers.
+//! Snapshots of a world: the columns that a step may change, the resources of a step, and the history of the stepper.
 
 use crate::error::{Error, Result};
 use crate::history::{HistoryReader, HistoryWriter};
@@ -12,11 +12,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 impl Environment {
-    /// Writes the state: with it a grasp goes on bit for bit, in this process or another. The length does not depend on how many
-    /// steps were taken.
+    /// Writes the state, from which a grasp continues bit for bit, in this process or another. The length does not
+    /// depend on the number of steps taken.
     pub fn write_history(&self, stepper: &dyn Stepper, history: &mut HistoryWriter) {
         let world = self.world();
-        // A writer does not fail.
+        // The history keeps errors until it is finished.
         let _ = visit_columns(&mut Writer { world, history });
         history.write(&world.get_resource::<Phase>());
         history.write(&world.get_resource::<ForceCommand>());
@@ -26,10 +26,11 @@ impl Environment {
         stepper.write_history(world, history);
     }
 
-    /// Reads what [`Environment::write_history`] wrote, into an environment just begun with the same model, stepper and pose.
+    /// Reads what [`Environment::write_history`] wrote, into an environment just created with the same model, stepper
+    /// and pose.
     ///
     /// # Errors
-    /// Fails for a history of something else; the environment must then be begun anew.
+    /// Fails if the history does not match; the environment must then be restarted.
     pub fn read_history(&mut self, stepper: &dyn Stepper, history: &mut HistoryReader) -> Result<()> {
         let world = self.world_mut();
         visit_columns(&mut Reader { world, history })?;

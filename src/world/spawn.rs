@@ -1,4 +1,4 @@
-//! A world for one grasp: entities with the components that the scene needs, and the resources of a step.
+//! World for one grasp: entities with the components that the scene needs, and the resources of a step.
 
 use crate::gripper::GraspPose;
 use crate::model::Model;
@@ -14,7 +14,7 @@ use bevy_ecs::world::World;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-/// Spawns a fresh world for a grasp at `pose`, in [`Phase::Place`].
+/// Spawns a new world for a grasp at `pose`, in [`Phase::Place`].
 pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     let mut world = World::new();
     spawn_nodes(&mut world, model);
@@ -48,7 +48,7 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
     world
 }
 
-/// Takes a world of `model` to the start of a grasp at `pose`: columns and resources are as in a fresh one.
+/// Resets a world of `model` to the start of a grasp at `pose`: columns and resources are as in a new one.
 pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
@@ -89,12 +89,12 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     }
 }
 
-/// Gives all entities with this component the same value.
+/// Sets this component of all entities to the same value.
 fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
     world.query::<&mut C>().iter_mut(world).for_each(|mut own| own.clone_from(&value));
 }
 
-/// Spawns the contact edges, for a stepper that knows forces between nodes.
+/// Spawns the contact edges, for a stepper that computes contact forces between nodes.
 pub fn spawn_edges(world: &mut World, model: &Model) {
     let edges = pads(model).flat_map(|(of, finger)| {
         let count = finger.surface.points.len() + model.features.len();
@@ -125,12 +125,12 @@ fn spawn_nodes(world: &mut World, model: &Model) {
     }
 }
 
-/// Pads in the order of their fingers.
+/// Returns the pads in the order of their fingers.
 fn pads(model: &Model) -> impl Iterator<Item = (FingerIndex, &FingerModel)> {
     (0..).map(FingerIndex).zip(&model.fingers)
 }
 
-/// Adds a component with this value to entities. They move to another table one after the other, and are there in this order.
+/// Adds a component with this value to entities. They move to another table one by one, so their order is preserved.
 fn add_column<C: Component + Copy>(world: &mut World, entities: &[Entity], value: C) {
     world.insert_batch(entities.iter().map(|&entity| (entity, value)));
 }

@@ -1,11 +1,11 @@
-//! The interface of the backends: systems in [`StepSet::Advance`](crate::world::schedule::StepSet::Advance) (and the sets
-//! around it) that bring the components of [`crate::world::components`] to the load of the step.
+//! Interface of the backends: systems in [`StepSet::Advance`](crate::world::schedule::StepSet::Advance) (and the
+//! adjacent sets) that bring the components of [`crate::world::components`] to the load of the step.
 //!
-//! A stepper must, in a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`: read `StepLoad::level`, write `Position`,
-//! `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact edges if it has any
-//! (the network knows forces on nodes, not between points), and all of
-//! [`StepReport`](crate::world::schedule::StepReport) with `reached = true`; or leave the last accepted state in place and request
-//! `Phase::Fault`, or the `Phase::Ramp` of a later frame if it has no answer to this one.
+//! In a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`, a stepper must either read `StepLoad::level` and
+//! write `Position`, `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact
+//! edges if it has any (the network has only nodal forces), and all of
+//! [`StepReport`](crate::world::schedule::StepReport) with `reached = true`; or leave the last accepted state in place
+//! and request `Phase::Fault`, `Phase::Dropped`, or the `Phase::Ramp` of a later frame if it cannot compute this one.
 
 use crate::error::Result;
 use crate::history::{HistoryReader, HistoryWriter};
@@ -14,52 +14,53 @@ use crate::scene::Scene;
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 
-/// A backend.
+/// Backend.
 pub trait Stepper: std::fmt::Debug + Send + Sync {
-    /// Its name in reports: `fem`, `gnn`.
+    /// Returns its name in reports: `fem`, `gnn`.
     fn name(&self) -> &'static str;
-    /// Its settings in one line, for reports.
+    /// Returns its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Returns true if friction may fail to hold an object in it; if not, [`crate::env::slip`] judges that.
+    /// Returns true if it computes whether friction holds the object; if not, [`crate::env::slip`] decides that.
     fn solves_friction(&self) -> bool {
         true
     }
-    /// Returns true if its frames come with their error.
+    /// Returns true if its frames have an error bound.
     fn knows_error(&self) -> bool {
         false
     }
-    /// Returns what to know about its results for `model` before they are trusted, a sentence each.
+    /// Returns notices on the validity of its results for `model`, one sentence each.
     fn notices(&self, _model: &Model) -> Vec<String> {
         Vec::new()
     }
-    /// Checks that the backend serves `model`, before anything of it is written.
+    /// Checks that the backend supports `model`, before anything of a run is written.
     ///
     /// # Errors
-    /// Fails if it does not; the message says why.
+    /// Fails if it does not; the message states the reason.
     fn admit(&self, _model: &Model) -> Result<()> {
         Ok(())
     }
-    /// Returns true if the grasp decides which systems it registers: no world is used again then.
+    /// Returns true if the systems that it registers depend on the grasp: a world is not reused then.
     fn chooses_systems(&self) -> bool {
         false
     }
-    /// Puts its resources into `world`, at the start of a grasp.
+    /// Inserts its resources into `world`, at the start of a grasp.
     ///
     /// # Errors
-    /// Fails if the backend cannot serve the world's scene.
+    /// Fails if the backend does not support the world's scene.
     fn prepare(&self, world: &mut World) -> Result<()>;
-    /// Puts its systems into `schedule`, and the entities that it alone needs into the `world` of `model`.
+    /// Adds its systems to `schedule`, and the entities that only it needs to the `world` of `model`.
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
-    /// Writes what the next step depends on beside the columns of `world`.
+    /// Writes what the next step depends on in addition to the columns of `world`.
     fn write_history(&self, _world: &World, _history: &mut HistoryWriter) {}
-    /// Reads what [`Stepper::write_history`] wrote, into a world prepared for the same grasp whose columns are those of then.
+    /// Reads what [`Stepper::write_history`] wrote, into a world that was prepared for the same grasp and whose columns
+    /// are restored.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match.
     fn read_history(&self, _world: &mut World, _history: &mut HistoryReader) -> Result<()> {
         Ok(())
     }
 }
 
-/// Function that opens the backend which a scene names.
+/// Function that opens the backend that a scene selects.
 pub type Choose = fn(&Scene) -> Result<Box<dyn Stepper>>;

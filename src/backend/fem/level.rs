@@ -1,4 +1,4 @@
-//! Load levels of a grasp: first contact if need be, the load, and whole pads where condensed ones get no further.
+//! Load levels of a grasp: first contact if needed, the load, and the fall-back from condensed to full pads.
 
 use super::stepper::GraspSolver;
 use crate::mech::newton::Failure;
@@ -13,23 +13,24 @@ use crate::world::components::ObjectPose;
 use crate::world::schedule::{StepLoad, Stop};
 use glam::DVec3;
 
-/// Number of steps in which the fingers take an object with weight over from its support.
+/// Number of steps in which the weight of an object passes from its support to the fingers.
 const HANDOVER: u32 = 4;
 
-/// Part of the pressure at Coulomb's limit, from which on an object that finds no equilibrium under a push slips.
+/// Fraction of the contact pressure at the Coulomb limit from which on an object without equilibrium under a push
+/// slips.
 const SLIPS: f64 = 0.7;
 
-/// Part of the pressure at Coulomb's limit, from which on the object slides as a whole: what holds it then is that a push which stays dead
-/// turns it less the farther it has turned.
+/// Fraction of the contact pressure at the Coulomb limit above which the object slides even in equilibrium: such an
+/// equilibrium exists only because a dead push has less moment the further the object has rotated.
 const SLIDES: f64 = 0.99;
 
 /// Reason why a level was not reached.
 enum Refusal {
-    /// No equilibrium exists, or no more effort is to be spent.
+    /// No equilibrium exists, or the effort is exhausted.
     Final(Stop),
     /// No equilibrium was found, though one may exist.
     Unfound(Stop),
-    /// Condensed pads do not reach the level.
+    /// Condensed pads cannot reach the level.
     Condensed(Stop),
 }
 
@@ -58,7 +59,7 @@ impl GraspSolver {
         let checkpoint = self.condensed.is_some().then(|| self.path.checkpoint());
         let stuck = match (self.raise(model, target), checkpoint) {
             (Err(Refusal::Condensed(_)), Some(checkpoint)) => checkpoint,
-            // An object that turns far before it is held may leave what the pads are condensed onto.
+            // An object that rotates far before it is held may leave the patches of the condensed pads.
             (Err(Refusal::Unfound(_)), Some(checkpoint)) if !progress.started => checkpoint,
             (done, _) => return done.map_err(Refusal::stop),
         };
@@ -69,14 +70,14 @@ impl GraspSolver {
         self.raise(model, target).map_err(Refusal::stop)
     }
 
-    /// Makes one attempt at [`GraspSolver::advance`].
+    /// Attempts [`GraspSolver::advance`] once.
     fn raise(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, Refusal> {
         let StepLoad { level, push } = target;
         let before = self.path.state.clone();
         let load = if model.force_driven { Load::Force } else { Load::Travel };
         let mut done = Advanced::default();
         let begins = !std::mem::replace(&mut self.progress.started, true);
-        // Before it is held it may roll to where it rests.
+        // At the first level the object is not held yet and may roll to its equilibrium.
         self.path.largest_drift = model.largest_drift.filter(|_| !begins);
         if begins {
             done.add(self.begin(model, level.min(model.release))?);
@@ -107,7 +108,7 @@ impl GraspSolver {
         Ok(done)
     }
 
-    /// Returns the place that the object may not leave.
+    /// Returns the region that the object may not leave.
     fn place(&self, model: &Model, after: DropLimits) -> GraspPlace {
         let ObjectPose { position, rotation } = self.progress.start;
         let faces = model.fingers.iter().map(|finger| finger.placement.origin);
@@ -115,7 +116,7 @@ impl GraspSolver {
         GraspPlace { position, rotation, center, distance: after.distance, angle: after.angle }
     }
 
-    /// Makes contact, at a force of at most `most` (N per finger), around an object that is held in place.
+    /// Makes contact at a force of at most `most` (N per finger), with the object held fixed.
     fn begin(&mut self, model: &Model, most: f64) -> std::result::Result<Advanced, Refusal> {
         let stuck = |reason| Refusal::Condensed(Stop::fault(reason));
         if !model.force_driven {
@@ -132,7 +133,7 @@ impl GraspSolver {
         made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
     }
 
-    /// Releases the object: its weight, if it has one, passes step by step from its support to the fingers.
+    /// Releases the object; its weight, if any, passes step by step from its support to the fingers.
     fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
         self.path.newton.object_fixed = false;
         let heavy = model.gravity.is_some();
@@ -142,7 +143,7 @@ impl GraspSolver {
         let mut done = Advanced::default();
         for k in 1..=steps {
             self.hand_over(f64::from(k) / f64::from(steps));
-            // What the force did before says nothing of what the weight does.
+            // The path under the force does not predict the path under the weight.
             self.path.history = None;
             let more = self.follow(model, Load::Force, self.path.level);
             let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
@@ -152,7 +153,7 @@ impl GraspSolver {
         Ok(done)
     }
 
-    /// Raises the push to `part` under the force `force` (N per finger).
+    /// Raises the push to the fraction `part` at the force `force` (N per finger).
     fn push(&mut self, model: &Model, force: f64, part: f64) -> std::result::Result<Advanced, Refusal> {
         if !std::mem::replace(&mut self.progress.pushing, true) {
             self.path.begin_load(FIRST_PART);
@@ -172,7 +173,7 @@ impl GraspSolver {
         })
     }
 
-    /// Returns the part of the pressure that acts where friction is at its limit.
+    /// Returns the fraction of the contact pressure that acts where friction is at its limit.
     fn slipping(&self, model: &Model) -> f64 {
         let edges = (0..model.fingers.len()).flat_map(|i| self.path.newton.edge_readings(&self.path.state, i));
         let sums = edges.fold((0.0, 0.0), |(slips, all), edge| {
@@ -187,7 +188,7 @@ impl GraspSolver {
         self.follow(model, load, level).map_err(|f| self.refuse(model, &at(load, level), f))
     }
 
-    /// Advances the path with the pads as they are, condensed or whole.
+    /// Advances the path with the current pads, condensed or full.
     fn follow(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Failure> {
         match &mut self.condensed {
             Some(pads) => self.path.advance(load, level, &mut pads.of(model)),

@@ -124,22 +124,22 @@ pub struct GraspSolver {
     pub(crate) progress: GraspProgress,
 }
 
-/// What a grasp has come through, as checkpoints and snapshots hold it beside its path.
+/// Progress of a grasp, stored in checkpoints and snapshots in addition to its path.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct GraspProgress {
-    /// Flag: the pads have met the object.
+    /// Flag: the pads have made contact with the object.
     pub started: bool,
-    /// Flag: the squeeze is over, and the push rises.
+    /// Flag: the squeeze is complete, and the push rises.
     pub pushing: bool,
     /// Pose at first contact.
     pub start: ObjectPose,
 }
 
 impl GraspSolver {
-    /// Creates the solver at rest, with the object at `pose`.
+    /// Creates the solver of undeformed pads, with the object at `pose`.
     ///
     /// # Errors
-    /// Fails if the factorisation of a body cannot be analysed.
+    /// Fails if the symbolic factorisation of a body fails.
     pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
         let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
@@ -159,7 +159,7 @@ impl GraspSolver {
         let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
         let layout = if model.geared() { RigidUnknowns::geared } else { RigidUnknowns::new };
         let rigid = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
-        // A condensed body has the nodes of the whole one.
+        // A condensed body has the nodes of the full one.
         let state = State {
             x: bodies.iter().map(|b| b.rest.clone()).collect(),
             travel: vec![0.0; bodies.len()],
@@ -177,14 +177,14 @@ impl GraspSolver {
         Ok(Self { path, condensed, settings: *settings, steps: 0, progress })
     }
 
-    /// Writes all that the next step depends on.
+    /// Writes everything that the next step depends on.
     fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&(self.progress, self.steps, self.condensed.is_some()));
         self.condensed.iter().for_each(|pads| pads.write_history(history));
         self.path.write_history(history);
     }
 
-    /// Reads what a solver of the same scene wrote.
+    /// Reads the history of a solver of the same scene.
     fn read_history(&mut self, model: &Model, history: &mut HistoryReader) -> Result<()> {
         let condensed: bool;
         (self.progress, self.steps, condensed) = history.read()?;
@@ -201,24 +201,25 @@ impl GraspSolver {
         &self.settings
     }
 
-    /// Sets the force that pulls at the object, N, hand frame.
+    /// Sets the force on the object, N, hand frame.
     pub fn set_weight(&mut self, force: DVec3) {
         self.path.newton.object.weight.iter_mut().for_each(|weight| weight.force = force);
     }
 
-    /// Hands the given part of the object's weight over from its support to the fingers.
+    /// Applies the fraction `part` of the object's weight to the fingers; its support carries the rest.
     pub(crate) fn hand_over(&mut self, part: f64) {
         self.path.newton.object.weight.iter_mut().for_each(|weight| weight.part = part);
     }
 
     /// Returns the convergence criteria at `level`.
     pub(crate) fn tolerance(&self, model: &Model, level: f64) -> NewtonTolerance {
-        // A press does not know its force: modulus x depth x thickness of the softer pad is its order of magnitude.
+        // The force of a press is not known in advance; modulus x depth x thickness of the softer pad is its order of
+        // magnitude.
         let pads = model.fingers.iter().map(|f| f.body.material.moduli().young * level * f.topology.thickness());
         let press = pads.reduce(f64::min).unwrap_or(0.0);
         let force = if model.force_driven { level } else { press };
         let given = self.settings.tolerance;
-        // No sharper than the pads are.
+        // No tighter than the accepted error of condensed pads.
         let blunt = match self.settings.solver {
             scene::Solver::Condensed(c) if self.condensed.is_some() => {
                 (BLUNT * c.error.get() / given.force.get()).max(1.0)
@@ -229,7 +230,7 @@ impl GraspSolver {
         let usual = NewtonTolerance::new(model.offset);
         NewtonTolerance {
             relative,
-            // Where nothing touches yet there is no contact force to compare with.
+            // Without contact there is no contact force to compare with.
             force: 1e-2 * relative * force,
             length: blunt * given.displacement.map_or(usual.length, |length| length.get()),
             iterations: self.settings.max_iterations.get() as u32,
@@ -237,7 +238,7 @@ impl GraspSolver {
         }
     }
 
-    /// Moves the fingers to where they begin to press.
+    /// Moves the fingers to a clearance of half the contact offset, with a free object centred between them.
     pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = 0.5 * model.offset;
@@ -249,7 +250,7 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// Returns the reason why the state is no grasp although it is in equilibrium; None if it is one.
+    /// Returns the reason why the state, although in equilibrium, is no grasp; None if it is one.
     pub(crate) fn lost_grip(&self, model: &Model) -> Option<String> {
         let (newton, state) = (&self.path.newton, &self.path.state);
         for i in 0..model.fingers.len() {
@@ -268,7 +269,7 @@ impl GraspSolver {
         None
     }
 
-    /// Describes how the fingers lost what they close on.
+    /// Describes how the fingers lost contact.
     fn escaped(&self, model: &Model) -> String {
         match model.free {
             true => format!("the object was squeezed out (it {})", self.moved()),
@@ -289,7 +290,7 @@ impl GraspSolver {
         let moved = state.position.distance(self.progress.start.position);
         let far = match model.free && moved > SLIPPING * model.object.bounding_radius {
             true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
-            // Whether it would have come to rest is not known.
+            // Whether it would have reached equilibrium is unknown.
             true => format!("; the object {} on the way", self.moved()),
             false => String::new(),
         };
@@ -297,23 +298,23 @@ impl GraspSolver {
     }
 }
 
-/// Part of the allowed error by which the path may bend within one increment: the errors of all increments add up.
+/// Fraction of the allowed path error that one increment may have: the errors of all increments add up.
 const BEND: f64 = 0.5;
-/// Travel with which the path of a press begins, over the thickness of the pad.
+/// Travel of the first increment of a press, over the thickness of the pad.
 const TOUCH: f64 = 0.01;
 
-/// Returns the control of the increments; None without an error of the path.
+/// Returns the control of the increments; None if the path error is not controlled.
 fn control(model: &Model) -> Option<PathControl> {
     let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
     model.path_error.map(|error| PathControl { bend: BEND * error, first })
 }
 
-/// Forces out of balance that condensed pads may leave, over the contact forces and over their error.
+/// Relative force tolerance of condensed pads, over their accepted error.
 const BLUNT: f64 = 0.05;
-/// Motion of a free object, over its radius, above which a message mentions it when the solver gives up.
+/// Motion of a free object, over its radius, above which the message of a failed solve mentions it.
 const SLIPPING: f64 = 0.1;
 
-/// Returns the terms of a whole gel under dead `loads` (N per node; empty for none).
+/// Returns the terms of a full gel under dead `loads` (N per node; empty for none).
 pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     let (nodes, centers) = inversion_barrier();
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(nodes), Box::new(centers)];
@@ -321,8 +322,8 @@ pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     terms
 }
 
-/// Returns the weight of the gel of finger `i` on its nodes, N; empty without gravity, and in a dynamic scene, where the inertia
-/// terms include gravity.
+/// Returns the weight of the gel of finger `i` on its nodes, N; empty without gravity, and in a dynamic scene, where
+/// the inertia terms include gravity.
 pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
@@ -340,8 +341,8 @@ fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
     terms
 }
 
-/// Returns the weight of a free object at `pose`, if the scene has one. Of a dynamic scene, gravity stands with inertia; an agent's
-/// world sets its load step by step.
+/// Returns the weight of a free object at `pose`, if the scene has one. In a dynamic scene the inertia term includes
+/// gravity; in the world of an agent the load is set at every step.
 fn weight(model: &Model, pose: ObjectPose) -> Option<DeadForce> {
     let pulled = model.free && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some());
     let center = model.object.mass.center;
@@ -350,7 +351,7 @@ fn weight(model: &Model, pose: ObjectPose) -> Option<DeadForce> {
     pulled.then(|| DeadForce::new(force, center, start))
 }
 
-/// Returns the forces of the push on an object that is at `pose` at first contact; none of them acts yet.
+/// Returns the forces of the push on an object that is at `pose` at first contact; all are inactive at first.
 fn push(model: &Model, pose: ObjectPose) -> Vec<DeadForce> {
     let Some(push) = &model.push else { return Vec::new() };
     let center = model.object.mass.center;

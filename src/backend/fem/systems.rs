@@ -19,7 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Puts the systems in their sets; systems for quantities that the scene does not need are left out.
+/// Adds the systems to their sets, except those for quantities that the scene does not need.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     let sense = (read_state, read_contact).chain().run_if(ramping).after(close_to_contact);
     schedule.add_systems(sense.in_set(StepSet::Sense));
@@ -55,7 +55,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     }
 }
 
-/// Copies columns to the solver: the world is the state, the solver only works on it.
+/// Copies columns to the solver: the world holds the state, the solver works on a copy.
 pub fn read_state(
     mut solver: ResMut<GraspSolver>,
     nodes: Query<(&FingerIndex, &Position)>,
@@ -74,7 +74,7 @@ pub fn read_state(
     (state.position, state.rotation) = (pose.position, pose.rotation);
 }
 
-/// Copies contact edges from their columns to the solver: what touches, and where it sticks.
+/// Copies contact edges from their columns to the solver: active contacts and their friction anchors.
 pub fn read_contact(
     mut solver: ResMut<GraspSolver>,
     edges: Query<(&FingerIndex, &ContactEdge, Option<&ContactFriction>)>,
@@ -95,7 +95,7 @@ pub fn read_contact(
     }
 }
 
-/// Copies the force that pulls at the object from its column to the solver.
+/// Copies the force on the object from its column to the solver.
 pub fn read_weight(mut solver: ResMut<GraspSolver>, weight: Single<&ObjectWeight>) {
     solver.set_weight(weight.0);
 }
@@ -129,7 +129,7 @@ pub fn write_state(
 ) {
     let state = &solver.path.state;
     for (finger, mut position) in nodes.contiguous_iter_mut().expect(TABLES) {
-        // Nobody watches single nodes: the change tick of each would cost more than the write.
+        // No system observes single nodes: setting the change tick of each would cost more than the write.
         let position = position.bypass_change_detection();
         for (f, rows) in rows_by_pad(finger) {
             position[rows].iter_mut().zip(&state.x[f]).for_each(|(position, x)| position.0 = *x);
@@ -153,7 +153,7 @@ pub fn read_edges(solver: Res<GraspSolver>, mut edges: ResMut<EdgeReadings>, mut
     report.energy = solver.energy();
 }
 
-/// Writes a column of the edges from their readings; edges that are open have the default.
+/// Writes a column of the edges from their readings; open edges get the default.
 fn write_column<C: Component<Mutability = Mutable> + Default + Clone>(
     edges: &EdgeReadings,
     mut pool: Query<(&FingerIndex, &mut C)>,
@@ -208,8 +208,8 @@ pub fn measure_wrench(
     }
 }
 
-/// Measures the force of the mount of a finger with prescribed travel: the reaction of the bonded nodes along the closing
-/// direction, without the gel's own weight.
+/// Measures the force of the mount of a finger with prescribed travel: the reaction of the bonded nodes along the
+/// closing direction, without the gel's own weight.
 pub fn measure_reaction(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,
@@ -221,7 +221,7 @@ pub fn measure_reaction(
     }
 }
 
-/// Gathers the contact forces on the nodes; their sum is that of the edges.
+/// Distributes the contact forces of the edges to the nodes; the sum is preserved.
 pub fn measure_nodal_force(
     solver: Res<GraspSolver>,
     edges: Res<EdgeReadings>,
@@ -264,7 +264,7 @@ pub fn measure_stress(
     }
 }
 
-/// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is turned inside out.
+/// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is inverted.
 pub fn refuse_inversion(
     solver: Res<GraspSolver>,
     shared: Res<Shared>,
@@ -282,7 +282,7 @@ pub fn refuse_inversion(
     }
 }
 
-/// Passes on the times spent in each stage.
+/// Reports the time spent in each stage, the iterations and the methods used.
 pub fn report_timings(solver: Res<GraspSolver>, mut timings: ResMut<Timings>) {
     let p = &solver.path.newton.profile;
     let stages = [

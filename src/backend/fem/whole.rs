@@ -1,4 +1,4 @@
-//! Quantities of whole pads from the solver of a grasp, condensed or not.
+//! Quantities of full pads from the solver of a grasp, condensed or not.
 
 use super::stepper::{GraspSolver, gel, gel_loads};
 use crate::mech::body::Body;
@@ -10,13 +10,14 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 impl GraspSolver {
-    /// Condenses the pads at first contact, if the settings ask for it.
+    /// Condenses the pads at first contact, if the settings require it.
     pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
         let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
         begun.map_err(|f| self.explain(model, "condensing the pads", f))
     }
 
-    /// Returns true if no element of condensed pads is about to turn inside out. Condensed pads have no barrier against it.
+    /// Returns true unless an element of condensed pads is close to inversion; condensed pads have no barrier against
+    /// it.
     pub(crate) fn is_upright(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
@@ -24,10 +25,10 @@ impl GraspSolver {
         })
     }
 
-    /// Replaces condensed pads by whole ones where the condensed ones get no further.
+    /// Falls back from condensed pads to the full model.
     ///
     /// # Errors
-    /// Fails if the stiffness of a whole pad cannot be analysed.
+    /// Fails if the symbolic factorisation of a full pad fails.
     pub(crate) fn release(&mut self, model: &Model) -> std::result::Result<(), String> {
         self.condensed = None;
         self.path.recover();
@@ -38,7 +39,7 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// Returns the whole pad of finger `i`.
+    /// Returns the full pad of finger `i`.
     pub fn body(&self, i: usize) -> &Arc<Body> {
         self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())
     }
@@ -61,7 +62,7 @@ impl GraspSolver {
         let bonded = |forces: &[DVec3]| -> DVec3 {
             forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
         };
-        // Condensed, the solver knows only what contact does to bonded nodes.
+        // The gradient of the condensed system has only the contact forces on bonded nodes.
         let elastic = self.condensed.as_ref().map_or(DVec3::ZERO, |pads| bonded(pads.pad(i).gradient()));
         bonded(self.path.newton.gradient(i)) + elastic
     }

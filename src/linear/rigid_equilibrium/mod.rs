@@ -1,12 +1,13 @@
-//! Grasp on pads that respond linearly: travel, contact and motion of the object from geometry, friction and equilibrium alone.
+//! Grasp with pads that respond linearly: travel, contact and motion of the object from geometry, friction and
+//! equilibrium alone.
 //!
-//! The object is rigid and free, or held; the pads answer to contact forces by their linear response at rest. Force rises
-//! step by step: at each, the object's distance and normal are looked up where the pads are, and `step.rs` solves for
-//! contact forces, travel and pose together, anew as long as the object moves far: one that is let go, or rolls. The network learns
-//! what large strains do differently.
+//! The object is rigid, and free or held; the pads respond to contact forces linearly, as in the reference state. The
+//! force rises in steps: at each, distance and normal of the object are queried at the current pads, and `step.rs`
+//! solves for contact forces, travel and pose together. This is repeated while the object moves far (one that is
+//! released, or rolls). The network learns the effects of large strains.
 //!
-//! Quantities are dimensionless: lengths over the thickness t, forces over `E t^2`. Axes are those of the hand, with the origin
-//! amid the pads; those of a pad are in its frame.
+//! Quantities are dimensionless: lengths over the thickness t, forces over `E t^2`. Axes are those of the hand, with
+//! the origin midway between the pads; those of a pad are in its frame.
 
 mod step;
 
@@ -18,39 +19,40 @@ use crate::world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
-/// Force of each step of the path over that of the one before.
+/// Force of each step of the path over that of the previous one.
 const STEP: f64 = 1.5;
 /// Force of the first step.
 const FIRST: f64 = 1e-3;
-/// Part of its force that a finger presses with at least, however heavy the object.
+/// Least force of a finger, over its nominal force, however heavy the object.
 const LEAST: f64 = 0.05;
-/// Largest number of looks at the object under one force.
+/// Largest number of queries of the object under one force.
 const LOOKS: usize = 8;
-/// Rigid motion, over the largest of a step, below which one more look tells nothing new.
+/// Rigid motion, over the largest of a step, below which no further query is needed.
 const SETTLED: f64 = 0.1;
-/// Distance from the object beyond which face nodes do not see it.
+/// Gap from which on a face node is out of reach of the object.
 const FAR: f64 = 2.5;
 
-/// A grasp, and its path from first contact to its largest force.
+/// Grasp, and its path from first contact to its largest force.
 #[derive(Debug, Clone)]
 pub struct RigidEquilibrium {
     fingers: Vec<Finger>,
     graph: Arc<PadGraph>,
     /// Coulomb's coefficient.
     friction: f64,
-    /// Weight of the object, and where it acts at first contact.
+    /// Weight of the object, and its point of application at first contact.
     weight: [DVec3; 2],
     /// Flag: the object may move.
     pub(crate) free: bool,
-    /// Flag: the path that is being computed has not yet let the object go.
+    /// Flag: on the path that is being computed, the object is not released yet.
     held: bool,
-    /// Force below which a free object is held where it is, and its support carries its weight.
+    /// Force below which a free object is held fixed and its support carries its weight.
     release: f64,
-    /// Distance of each pad's nearest basis function at first contact.
+    /// Smallest gap of the basis functions of each pad at first contact.
     nearest: Vec<f64>,
-    /// States of the path with their forces: first contact, then `FIRST * STEP^k` until the largest force is among them.
+    /// States of the path with their forces: first contact, `FIRST`, then steps by the factor `STEP` and the release,
+    /// up to at least the largest force.
     path: Vec<(f64, Rest)>,
-    /// View of the object from every face node of each pad at the end of the path.
+    /// Queries of the object at every face node of each pad at the end of the path.
     faces: Vec<Vec<Seen>>,
 }
 
@@ -58,29 +60,29 @@ pub struct RigidEquilibrium {
 #[derive(Debug, Clone)]
 struct Finger {
     closing: DVec3,
-    /// Rotation from its pad to the hand.
+    /// Rotation from its pad frame to the hand.
     rotation: DMat3,
     /// Origin of its pad at first contact.
     origin: DVec3,
 }
 
-/// View of the object from a point of a pad.
+/// Result of a query of the object at a point of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Seen {
     /// Distance; negative is inside.
     gap: f64,
     /// Outward normal of the object, pad frame; zero if it is out of reach.
     normal: DVec3,
-    /// Position of the point on the object: hand axes, as the object was at first contact.
+    /// Queried point, moved back with the object to its pose at first contact; hand axes.
     place: DVec3,
 }
 
-/// The grasp at rest under a force.
+/// Equilibrium of the grasp under a force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rest {
     /// Travel of each finger since first contact.
     pub travel: [f64; 2],
-    /// Translation of the point of the object amid the pads.
+    /// Translation of the point of the object midway between the pads.
     pub shift: DVec3,
     /// Rotation of the object.
     pub rotation: DQuat,
@@ -90,12 +92,12 @@ pub struct Rest {
     pub moved: Vec<Vec<DVec3>>,
     /// Moment on each pad about its closing direction by friction within the basis functions.
     pub twist: [f64; 2],
-    /// View of the object from each basis function; empty between two states of the path.
+    /// Queries of the object at each basis function; empty for a state interpolated between two states of the path.
     seen: Vec<Vec<Seen>>,
 }
 
 impl Rest {
-    /// Returns the state that is `part` of the way to another one.
+    /// Returns the linear interpolation towards another state, by the fraction `part`.
     fn towards(&self, other: &Self, part: f64) -> Self {
         let all = |from: &[Vec<DVec3>], to: &[Vec<DVec3>]| {
             let pads = from.iter().zip(to);
@@ -114,7 +116,7 @@ impl Rest {
 }
 
 impl RigidEquilibrium {
-    /// Creates a grasp of `model` at first contact `touch`, and its path to the model's largest force.
+    /// Creates the grasp of `model` from first contact `touch`, and its path to the model's largest force.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
         let (t, amid) = (graph.thickness, amid(model));
         let unit = model.material.moduli().young * t.powi(2);
@@ -139,7 +141,8 @@ impl RigidEquilibrium {
         let object = Object { model, pose: touch.object, amid, thickness: t };
         let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
         let start = equilibrium.at_touch(&object);
-        // First contact is of the whole face and keeps a small distance: the basis functions of each pad start from there.
+        // First contact is that of the full face at a small clearance: gaps of the basis functions of each pad are
+        // measured from the smallest one there.
         let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
         equilibrium.nearest = start.seen.iter().map(nearest).collect();
         let (mut force, mut rest) = (0.0, equilibrium.looked(start, &object));
@@ -163,13 +166,14 @@ impl RigidEquilibrium {
         equilibrium
     }
 
-    /// Returns true if a free object is still held where it is under `load`: nothing pulls at it then, and it does not move.
+    /// Returns true if a free object is still held fixed under `load`: its support carries its weight then, and it does
+    /// not move.
     pub fn holds(&self, load: &GraspLoad) -> bool {
         self.free && load.force < self.release
     }
 
-    /// Force that `finger` presses with under `load` at `rest`. Geared fingers share their force out: around an object that is held as their
-    /// pads resist, else one carries more of what pulls at the object than the other.
+    /// Returns the force of `finger` under `load` at `rest`. Geared fingers share their force: around a held object in
+    /// proportion to the resistance of their pads; else one carries more of the load on the object than the other.
     pub fn carried_by(&self, finger: usize, load: &GraspLoad, rest: &Rest) -> f64 {
         let fingers = self.fingers.len() as f64;
         if self.holds(load) {
@@ -181,19 +185,20 @@ impl RigidEquilibrium {
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
     }
 
-    /// Force and moment of weight and push on the object at `rest`, about its centre of mass.
+    /// Returns the force and moment of weight and push on the object, about its centre of mass.
     pub fn pulled(&self, load: &GraspLoad) -> [DVec3; 2] {
         let weight = if self.holds(load) { DVec3::ZERO } else { self.weight[0] };
         [weight + load.push[0], load.push[1]]
     }
 
-    /// Force and moment of weight and push on the object at `rest`, about the point amid the pads.
+    /// Returns the force and moment of weight and push on the object at `rest`, about the point midway between the
+    /// pads.
     pub fn hangs(&self, rest: &Rest, load: &GraspLoad) -> [DVec3; 2] {
         let ([force, torque], center) = (self.pulled(load), rest.rotation * self.weight[1] + rest.shift);
         [force, torque + center.cross(force)]
     }
 
-    /// State under `load`: between two states of the path, and then pushed.
+    /// Returns the state under `load`: interpolated between two states of the path, then pushed.
     pub fn rest(&self, load: &GraspLoad) -> Rest {
         let squeezed = match (around(&self.path, load.force), self.path.last()) {
             (Some((before, after, part)), _) => before.towards(after, part),
@@ -203,7 +208,8 @@ impl RigidEquilibrium {
         if load.push == [DVec3::ZERO; 2] || !self.free { squeezed } else { self.pushed(&squeezed, load) }
     }
 
-    /// State at rest under a force, with what is seen there: object and fingers move and look until they hardly move any more.
+    /// Returns the equilibrium under a force, with the object queried there: solution and query alternate until the
+    /// rigid motion is small.
     fn settle(&self, before: &Rest, force: f64, object: &Object) -> Rest {
         let mut rest = before.clone();
         for _ in 0..LOOKS {
@@ -216,14 +222,15 @@ impl RigidEquilibrium {
         rest
     }
 
-    /// State after a push on the squeezed object. What the pads see of it there is what they see in the nearest state of the path.
+    /// Returns the state after a push on the squeezed object. Gaps and normals are extrapolated from those of the first
+    /// state of the path with at least its force.
     fn pushed(&self, squeezed: &Rest, load: &GraspLoad) -> Rest {
         let near = self.path.partition_point(|(force, _)| *force < load.force).min(self.path.len() - 1);
         let known = &self.path[near].1;
         let along = |pad: usize| {
             let functions = squeezed.moved[pad].iter().zip(&known.moved[pad]).zip(&self.graph.basis.rest);
             functions.zip(&known.seen[pad]).map(move |(((moved, then), at), seen)| {
-                // The object is as flat as it is seen there.
+                // The object is replaced by its tangent plane there.
                 let place = |rest: &Rest, moved: DVec3| {
                     rest.rotation.inverse() * (self.place(pad, *at, moved, rest) - rest.shift)
                 };
@@ -239,7 +246,8 @@ impl RigidEquilibrium {
         self.follow(&Rest { seen, ..squeezed.clone() }, load).0
     }
 
-    /// Depth that the object asks of each face node of `pad` along its normal, which is given with it; negative is a gap.
+    /// Returns the depth that the object prescribes at each face node of `pad` along its normal, with this normal;
+    /// negative is a gap.
     pub fn pressed(&self, pad: usize, rest: &Rest) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
         let along = |(seen, x): (&Seen, &DVec3)| {
@@ -250,13 +258,13 @@ impl RigidEquilibrium {
         self.faces[pad].iter().zip(&self.graph.rest).map(along).collect()
     }
 
-    /// Position of a point of `pad` that lies `at` (m, pad frame) at rest and is displaced by `moved`.
+    /// Returns the position of a point of `pad` with reference position `at` (m, pad frame) and displacement `moved`.
     pub fn place(&self, pad: usize, at: DVec3, moved: DVec3, rest: &Rest) -> DVec3 {
         let Finger { closing, rotation, origin } = &self.fingers[pad];
         *rotation * (at / self.graph.thickness + moved) + *origin + *closing * rest.travel[pad]
     }
 
-    /// View of the object from a point of `pad` at `place` when the grasp is at `rest`.
+    /// Queries the object at the point `place` of `pad`, with the grasp at `rest`.
     fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &Object) -> Seen {
         let place = rest.rotation.inverse() * (place - rest.shift);
         let (gap, normal) = object.look(place);
@@ -267,7 +275,7 @@ impl RigidEquilibrium {
         }
     }
 
-    /// State at first contact, when nothing presses yet.
+    /// Returns the state at first contact, without any force.
     fn at_touch(&self, object: &Object) -> Rest {
         let basis = &self.graph.basis;
         let all = || vec![vec![DVec3::ZERO; basis.count()]; self.fingers.len()];
@@ -283,7 +291,7 @@ impl RigidEquilibrium {
         self.looked(rest, object)
     }
 
-    /// Returns `rest` with the views from its basis functions.
+    /// Returns `rest` with the object queried at its basis functions.
     fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
         let basis = &self.graph.basis.rest;
         let of = |pad: usize| {
@@ -294,7 +302,7 @@ impl RigidEquilibrium {
         rest
     }
 
-    /// Views of the object from the face nodes of `pad` at `rest`.
+    /// Queries the object at the face nodes of `pad`, with the grasp at `rest`.
     fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
         let graph = &self.graph;
         let forces = graph.basis.on_face(&rest.force[pad], graph.face.len());
@@ -307,7 +315,7 @@ impl RigidEquilibrium {
     }
 }
 
-/// The object where it was at first contact.
+/// Object in its pose at first contact.
 struct Object<'a> {
     model: &'a Model,
     pose: ObjectPose,
@@ -316,7 +324,7 @@ struct Object<'a> {
 }
 
 impl Object<'_> {
-    /// Signed distance of a point, and normal in hand axes.
+    /// Returns the signed distance of a point, and the normal in hand axes.
     fn look(&self, place: DVec3) -> (f64, DVec3) {
         let at = self.pose.rotation.inverse() * (place * self.thickness + self.amid - self.pose.position);
         let closest = self.model.object.distance.closest(at, f64::INFINITY);

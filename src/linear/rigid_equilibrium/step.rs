@@ -1,9 +1,10 @@
-//! One step of a [`RigidEquilibrium`]: contact forces, travel and pose of the object in equilibrium under a given force.
+//! Step of a [`RigidEquilibrium`]: contact forces, travel and pose of the object in equilibrium under a given force.
 //!
-//! Touching basis functions satisfy `C f + J q = a`: their displacement `C f` and the rigid motions `q` close what the object
-//! asks for (`a`). `J' f = l` balances the object and the fingers. Basis functions that would pull leave, those that would be
-//! inside join (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where friction would exceed Coulomb's limit, the
-//! basis function slips against a spring along the face that is as soft as the limit asks (secant iteration).
+//! Basis functions in contact satisfy `C f + J q = a`: their displacement `C f` and the rigid motions `q` add up to
+//! what the object prescribes (`a`). `J' f = l` balances the object and the fingers. Basis functions in tension leave
+//! the active set, penetrating ones join it (primal-dual active set: Hintermueller, Ito and Kunisch 2002). Where
+//! friction would exceed Coulomb's limit, the basis function slips against a spring along the face, whose compliance is
+//! adapted until the force is at the limit (secant iteration).
 
 use super::{Rest, RigidEquilibrium, Seen};
 use crate::linear::GraspLoad;
@@ -15,47 +16,46 @@ use faer::{Mat, Par};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-/// Unknowns of rigid motion: the travel of two fingers (of both, if they are geared, in the first), translation and rotation
-/// of the object.
+/// Number of rigid unknowns: travel of two fingers (the first one for both, if they are geared), translation and
+/// rotation of the object.
 const RIGID: usize = 8;
 /// Maximum number of iterations of a step.
 const ITERATIONS: usize = 16;
-/// Iteration from which on springs of slipping basis functions change by half of what they should: no two of them chase each
-/// other.
+/// Iteration from which on springs of slipping basis functions change by half of their update, to prevent oscillation.
 const CALM: usize = 6;
-/// Largest rigid motions of a step: so far gaps and normals of its start tell where the object is.
+/// Largest rigid motions of a step, within which gaps and normals at its start remain valid.
 const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.25, 0.25, 0.25, 0.1, 0.1, 0.1];
-/// Damping of rigid motions over their stiffness, tried one after the other until they are no larger (Marquardt 1963).
+/// Damping of rigid motions over their stiffness, tried in turn until the motions are no larger (Marquardt 1963).
 const DAMPING: [f64; 7] = [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Stiffness against a rigid motion that nothing holds, over the largest of all.
+/// Regularisation of the rigid stiffness, over its largest entry, for motions that nothing constrains.
 const HELD: f64 = 1e-7;
-/// Distance from the nearest basis function up to which others begin to touch when a pad does.
+/// Gap above the smallest one up to which basis functions of a pad are active when it first makes contact.
 const NEAR: f64 = 1e-3;
-/// Part by which the spring of a slipping basis function may still change once it has converged.
+/// Relative change of the spring of a slipping basis function up to which it has converged.
 const CONVERGED: f64 = 0.02;
 
 type Rigid = [f64; RIGID];
 
-/// The basis functions of a pad during a step.
+/// Basis functions of a pad during a step.
 struct Contact {
     touching: Vec<bool>,
-    /// Softness of the spring that a basis function slips against; zero sticks.
+    /// Compliance of the spring against which a basis function slips; zero if it sticks.
     give: Vec<f64>,
     force: Vec<DVec3>,
 }
 
-/// Solution `f = f0 - F q` for the touching basis functions of a pad, still multiplied by the factor of `C`.
+/// Solution `f = f0 - F q` for the active basis functions of a pad, still multiplied by the transposed factor of `C`.
 struct Solved {
     basis: Vec<usize>,
     factor: Mat<f64>,
-    /// The columns of `J`, then `a`, after the forward substitution.
+    /// Columns of `J`, then `a`, after the forward substitution.
     columns: Mat<f64>,
 }
 
 impl RigidEquilibrium {
-    /// Finds the equilibrium under `load` after `before`, or a state on the way there, without the views from its basis functions. Returns
-    /// with it the largest rigid motion over [`LARGEST`]: 1 if it was damped. An object that nothing holds stays where it was, and the
-    /// fingers close on it: linear pads cannot say whether it slips away.
+    /// Finds the equilibrium under `load` from the state `before`, or an intermediate state, without queries of the
+    /// object. Also returns the largest rigid motion over [`LARGEST`]: 1 if it was damped. An object that nothing
+    /// constrains stays in its pose, and the fingers close on it: linear pads cannot determine whether it slips away.
     pub(crate) fn follow(&self, before: &Rest, load: &GraspLoad) -> (Rest, f64) {
         if self.free && !self.held {
             for damping in DAMPING {
@@ -69,7 +69,8 @@ impl RigidEquilibrium {
         (if motion < 1.0 { rest } else { before.clone() }, 0.0)
     }
 
-    /// Finds the equilibrium with an object that moves, damped, or that stays. Returns with it the largest rigid motion over [`LARGEST`].
+    /// Finds the equilibrium with an object that moves, with damping, or is fixed (None). Also returns the largest
+    /// rigid motion over [`LARGEST`].
     fn moved(&self, before: &Rest, load: &GraspLoad, damping: Option<f64>) -> (Rest, f64) {
         let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
         let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
@@ -81,7 +82,7 @@ impl RigidEquilibrium {
             let update = |(p, contact): (usize, &mut Contact)| {
                 self.update_active_set(p, before, contact, &solved[p], &rigid, part)
             };
-            // All of them, whatever the first one says.
+            // All pads are updated before the test, which stops at the first change.
             let unchanged: Vec<bool> = contacts.par_iter_mut().enumerate().map(update).collect();
             if unchanged.into_iter().all(|same| same) {
                 break;
@@ -102,7 +103,7 @@ impl RigidEquilibrium {
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
             now.moved[p] = self.graph.basis.respond(&now.force[p]);
-            // Friction holds no more than Coulomb's limit here, either.
+            // The friction moment is bounded by Coulomb's limit, too.
             let (stiffness, most) = self.twisted(contact);
             let twist = now.twist[p] + stiffness * turn.dot(self.fingers[p].closing);
             now.twist[p] = twist.clamp(-most, most);
@@ -111,12 +112,14 @@ impl RigidEquilibrium {
         (now, motions.fold(0.0, f64::max))
     }
 
-    /// Index of the unknown that is the travel of `finger`: fingers around a free object are geared, as in the finite elements.
+    /// Returns the index of the unknown that is the travel of `finger`: fingers around a free object are geared, as in
+    /// the finite element model.
     fn travel(&self, finger: usize) -> usize {
         if self.free { 0 } else { finger }
     }
 
-    /// Motion of a point of `pad` at `seen` relative to the object by each rigid motion, along a direction of the pad.
+    /// Returns the motion of a point of `pad` relative to the object, along a direction of the pad, per unit of each
+    /// rigid motion.
     fn moves(&self, pad: usize, before: &Rest, seen: &Seen, direction: DVec3) -> Rigid {
         let finger = &self.fingers[pad];
         let direction = finger.rotation * direction;
@@ -130,7 +133,7 @@ impl RigidEquilibrium {
         row
     }
 
-    /// Factorises the compliance of the touching basis functions of `pad`; None if it is not positive definite.
+    /// Factorises the compliance of the active basis functions of `pad`; None if it is not positive definite.
     fn solve(&self, pad: usize, before: &Rest, contact: &Contact) -> Option<Solved> {
         let basis: Vec<usize> = (0..contact.touching.len()).filter(|function| contact.touching[*function]).collect();
         let n = 3 * basis.len();
@@ -162,8 +165,9 @@ impl RigidEquilibrium {
         Some(Solved { basis, factor, columns })
     }
 
-    /// Stiffness of a pad against twisting about its closing direction within the basis functions that touch, and the moment that friction
-    /// holds there: a function is as wide as the part of the face that it stands for, and does not turn about its centre for nothing.
+    /// Returns the stiffness of a pad against rotation about its closing direction within its active basis functions,
+    /// and the moment that friction carries there: a function covers a part of the face and resists rotation about its
+    /// centre.
     fn twisted(&self, contact: &Contact) -> (f64, f64) {
         let (basis, t) = (&self.graph.basis, self.graph.thickness);
         let touching = (0..contact.touching.len()).filter(|function| contact.touching[*function]);
@@ -175,7 +179,7 @@ impl RigidEquilibrium {
         touching.map(of).fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
     }
 
-    /// The rigid motions under which the object, if it moves, and the fingers are in balance with `damping`.
+    /// Computes the rigid motions that balance the fingers and, if it moves (with `damping`), the object.
     fn balance(
         &self,
         before: &Rest,
@@ -216,8 +220,8 @@ impl RigidEquilibrium {
         motions.map_or([0.0; RIGID], |x| std::array::from_fn(|a| x[(a, 0)].clamp(-LARGEST[a], LARGEST[a])))
     }
 
-    /// Updates the forces on the basis functions of `pad` under the rigid motions, and which of them touch and slip. The
-    /// springs of slipping basis functions change by `part` of what they should. Returns true if all stays as it was.
+    /// Updates the forces on the basis functions of `pad` under the rigid motions, and which of them are in contact and
+    /// slip. The springs of slipping basis functions change by `part` of their update. Returns true if nothing changed.
     fn update_active_set(
         &self,
         pad: usize,

@@ -1,4 +1,4 @@
-//! Refusal of pads that meet beside a thin object: contact between the pads is not modelled.
+//! Rejection of pads that meet next to a thin object: contact between the pads is not modelled.
 
 use crate::mech::contact::{ContactSurface, SurfaceFace};
 use crate::scales::FACE_BULGE;
@@ -7,7 +7,7 @@ use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
 
-/// Ends the grasp with a fault, without recording the frame, if the pads overlap at the state just reached.
+/// Ends the grasp with a fault, without recording the frame, if the pads overlap in the state just reached.
 pub fn keep_pads_apart(
     shared: Res<Shared>,
     load: Res<StepLoad>,
@@ -22,7 +22,7 @@ pub fn keep_pads_apart(
         carried[finger.0 as usize] = closing.0 * travel.0;
     }
     let axis = first.placement.closing;
-    // How far the first pad comes along the axis, and from where on the second is: mostly they do not meet there.
+    // Quick test: end of the first pad and start of the second along the axis; usually they do not overlap there.
     let (mut tip, mut lowest) = (f64::NEG_INFINITY, f64::INFINITY);
     for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
         for (finger, position) in finger.iter().zip(position) {
@@ -39,7 +39,7 @@ pub fn keep_pads_apart(
         rows_by_pad(finger).for_each(|(f, rows)| x[f] = position[rows].iter().map(|x| x.0 + carried[f]).collect());
     }
     let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
-    // Below the offset of contact an object would feel nothing either.
+    // Smaller overlaps are below the resolution of contact.
     if depth > offset {
         report.reached = false;
         next.request(Phase::Fault {
@@ -53,8 +53,8 @@ pub fn keep_pads_apart(
     }
 }
 
-/// Depth by which two surfaces that face each other along the unit vector `axis`, from the first to the second, are past each
-/// other at the worst point of the second, m; zero if they are apart. `x`, `y`: node positions, m.
+/// Returns the largest depth, m, by which two surfaces overlap that face each other along the unit vector `axis` (from
+/// the first to the second), over the points of the second; zero if they are apart. `x`, `y`: node positions, m.
 pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: &[DVec3], axis: DVec3) -> f64 {
     let nodes = first.faces.iter().flat_map(|f| f.corners.into_iter().chain(f.mids.into_iter().flatten()));
     let tip = nodes.map(|n| x[n as usize].dot(axis)).fold(f64::NEG_INFINITY, f64::max);
@@ -66,7 +66,7 @@ pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: 
     let mut worst = 0.0_f64;
     for triangle in first.faces.iter().flat_map(SurfaceFace::flat_parts) {
         let [a, b, c] = triangle.map(|n| plane(x[n as usize]));
-        // Seen from the other pad, front sides turn counter-clockwise.
+        // Front faces are counter-clockwise as seen from the other pad.
         let area = (b.0 - a.0).perp_dot(c.0 - a.0);
         if a.1.max(b.1).max(c.1) <= lowest || area <= 0.0 {
             continue;

@@ -1,4 +1,4 @@
-//! The audit as a system: it is there only if the scene promises something that it judges.
+//! Audit as a system, which exists only if an expectation of the scene requires it.
 
 use crate::judge::Findings;
 use crate::world::schedule::{CurrentGrasp, Recorded, Shared, Timings};
@@ -10,7 +10,7 @@ use std::time::Instant;
 #[derive(Resource, Debug, Default)]
 pub struct Audited(pub Option<Findings>);
 
-/// Judges the frame of this step.
+/// Audits the frame of this step.
 pub fn audit_frame(
     shared: Res<Shared>,
     grasp: Res<CurrentGrasp>,

@@ -1,4 +1,4 @@
-//! Area of each pad that touches the object.
+//! Contact area of each pad.
 
 use crate::mech::potential::term::Stencil;
 use crate::part::FingerModel;
@@ -7,18 +7,19 @@ use crate::world::schedule::Shared;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// Part of the largest force of a node from which the area of another counts, where forces are known at nodes alone: a node at the rim
-/// of the contact feels what presses beside it.
+/// Fraction of the largest nodal force above which the area of a node counts, if only nodal forces are known: a node at
+/// the rim of the contact also carries pressure next to it.
 const WITHIN: f64 = 0.2;
 
-/// Returns which nodes of a pad that closes along `closing` are pressed with more than `part` of the largest force.
+/// Returns, for each node of a pad that closes along `closing`, whether its pressing force exceeds `part` of the
+/// largest.
 pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<bool> {
     let pressing = |force: &ContactForce| -force.0.dot(closing);
     let most = force.iter().map(pressing).fold(0.0, f64::max);
     force.iter().map(|force| pressing(force) > part * most).collect()
 }
 
-/// Returns the area of a pad that touches, m2, where forces are known at nodes alone.
+/// Returns the contact area of a pad, m2, if only nodal forces are known.
 pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
     let pressed = pressed(force, finger.placement.closing, WITHIN);
     let part = |around: &Stencil| {
@@ -31,8 +32,8 @@ pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
     points.map(|(area, around)| area * part(around)).sum()
 }
 
-/// Measures the area of each pad that touches: that of the points of contact that press. Where forces are known at nodes alone, a point
-/// counts for the pressed ones of the nodes around it.
+/// Measures the contact area of each pad: that of the contact points under pressure. If only nodal forces are known, a
+/// point counts with the weights of the pressed nodes around it.
 pub fn measure_contact_area(
     shared: Res<Shared>,
     edges: Query<(&FingerIndex, &ContactEdge)>,

@@ -1,10 +1,10 @@
-//! Commands of the gripper: the position of the object at the start, and the force of the next squeeze.
+//! Commands of the gripper: the pose of the object at the start, and the load of the next frame.
 
 use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
 use crate::world::schedule::{CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
-/// Puts the object at its grasp pose in the open hand.
+/// Places the object at its grasp pose in the open hand.
 pub fn place_object(
     phase: Res<Phase>,
     grasp: Res<CurrentGrasp>,
@@ -21,8 +21,8 @@ pub fn place_object(
     next.request(Phase::Close);
 }
 
-/// Refuses a weight that the squeeze cannot carry along the closing direction: geared fingers share its force, and the one
-/// under the object gets what it weighs from the other.
+/// Rejects a weight that the squeeze cannot carry along the closing direction: geared fingers share their force, so the
+/// one under the object carries at most their sum.
 pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
     let model = &shared.0;
     let squeezed = model.force_driven && model.dynamics.is_none();
@@ -42,7 +42,7 @@ pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Ne
     }
 }
 
-/// Sets the load of the frame that this step makes.
+/// Sets the load of the frame that this step computes.
 pub fn set_load(
     phase: Res<Phase>,
     shared: Res<Shared>,

@@ -1,10 +1,10 @@
-//! Message for a state that cannot be: an element that is turned inside out.
+//! Error message for an inverted element.
 
 use crate::model::Model;
 use crate::record::pad_name;
 use glam::DVec3;
 
-/// Describes the most inverted element of the pads, and where it is at rest; `x`: node positions of each pad, m.
+/// Describes the most inverted element of the pads and its reference position; `x`: node positions of each pad, m.
 pub fn inverted(model: &Model, x: &[&[DVec3]]) -> String {
     let pads = model.fingers.iter().zip(x).enumerate();
     let smallest = pads.map(|(i, (f, x))| (i, f.body.min_det_f(x))).min_by(|a, b| a.1.total_cmp(&b.1));

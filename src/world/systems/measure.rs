@@ -1,4 +1,4 @@
-//! Balance of the forces of a frame, from the wrenches alone, whatever stepper wrote them.
+//! Balance of the forces of a frame, computed from the wrenches alone, for any stepper.
 
 use crate::record::Wrench;
 use crate::world::components::*;
@@ -6,11 +6,12 @@ use crate::world::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, S
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// Loads on the object beside those of the pads.
+/// Loads on the object in addition to those of the pads.
 type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
 
-/// Measures the force and torque balance. For a free object, contact forces, weight, support and inertia must cancel. For a
-/// fixed one, each finger's contact must carry the force that closes it; for one that is still held, their contacts together.
+/// Measures the force and torque balance. For a free object, contact forces, weight, support and inertia must cancel.
+/// For a fixed one, each finger's contact must carry the force that closes it; for a free one that is still held, this
+/// applies to the sum over the fingers.
 pub fn measure_balance(
     shared: Res<Shared>,
     grasp: Res<CurrentGrasp>,
@@ -49,14 +50,14 @@ pub fn measure_balance(
         (true, _) if balance.object_fixed => (applied - carried).abs(),
         (true, _) => force.length(),
         (false, None) => worst,
-        // Inertia of pads and drive lies between a finger's force and that of its contact.
+        // The force of a finger differs from that of its contact by the inertia of pad and drive.
         (false, Some(_)) => 0.0,
     };
-    // Where nothing pushes, as in free flight, there is nothing to compare with.
+    // Without any contact, as in free flight, there is no force to compare with.
     let alone = |value: f64, scale: f64| value == 0.0 || scale == 0.0 && model.dynamics.is_some();
     let relative = |value: f64, scale: f64| if alone(value, scale) { 0.0 } else { value / scale };
     let torque = if model.free && !balance.object_fixed { torque.length() } else { 0.0 };
-    // Without motion in time the fingers' force is the scale, however heavy the object.
+    // In a quasi-static scene the fingers' force is the scale, however heavy the object.
     let scale = match model.dynamics {
         None => applied,
         Some(_) => applied + weight.length() + ground.force.length() + pushed,
@@ -70,11 +71,11 @@ pub fn measure_balance(
     };
 }
 
-/// Force out of balance over the applied force from which on a state is no equilibrium, whatever tolerance it was solved to.
+/// Out-of-balance force, over the applied force, above which a state is no equilibrium, for any solver tolerance.
 const NO_EQUILIBRIUM: f64 = 0.1;
 
-/// Ends the grasp with a fault, without recording the frame, if the forces of the state do not balance: no stepper may call such a state
-/// reached, whatever it measured itself.
+/// Ends the grasp with a fault, without recording the frame, if the forces of the state do not balance, although the
+/// stepper reported it as reached.
 pub fn refuse_imbalance(
     balance: Res<BalanceReport>,
     load: Res<StepLoad>,
@@ -92,7 +93,7 @@ pub fn refuse_imbalance(
     next.request(Phase::Fault { reason });
 }
 
-/// Measures the distance of every node to the object.
+/// Measures the signed distance of every node to the object.
 pub fn measure_gap(
     shared: Res<Shared>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,

@@ -1,4 +1,4 @@
-//! Systems that every stepper shares: commands of the gripper, balance of the forces, the frame.
+//! Systems common to all steppers: commands of the gripper, balance of the forces, the frame.
 
 pub(crate) mod apart;
 pub mod audit;
@@ -16,11 +16,11 @@ use crate::world::schedule::{StepSet, ramping, reached};
 use crate::world::systems::audit::audit_frame;
 use bevy_ecs::prelude::*;
 
-/// Puts the shared systems in their sets.
+/// Adds the shared systems to their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {
     schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
     if needs.gravity && needs.free_object {
-        // The first to ask for a phase is heard.
+        // The first requested phase applies.
         schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));
     }
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
@@ -33,7 +33,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
     if needs.gap {
         schedule.add_systems(measure::measure_gap.run_if(reached).in_set(StepSet::Measure));
     }
-    // All that the stepper measures is written by then.
+    // In the last set, all measurements of the stepper are complete.
     if needs.contact_area {
         let area = contact_area::measure_contact_area.run_if(reached).before(record::record_frame);
         schedule.add_systems(area.in_set(StepSet::Record));

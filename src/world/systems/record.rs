@@ -1,4 +1,4 @@
-//! The frame of a step, read from the columns, and the phase of the next step.
+//! Frame of a step, read from the columns, and the phase of the next step.
 
 use crate::record::{Frame, Moving, PadFrame, Wrench};
 use crate::world::components::*;
@@ -6,7 +6,7 @@ use crate::world::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded,
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// Node columns of a frame; optional ones are empty where the scene does not record them.
+/// Node columns of a frame; optional ones are None if the scene does not need them.
 type Nodes<'a> = (
     &'a FingerIndex,
     &'a RestPosition,
@@ -16,7 +16,7 @@ type Nodes<'a> = (
     Option<&'a NodeGap>,
     Option<&'a NodeSlip>,
 );
-/// Finger columns of a frame; the area that touches only where the scene asks for it.
+/// Finger columns of a frame; the contact area exists only if the scene observes it.
 type Fingers<'a> = (
     &'a FingerIndex,
     &'a ClosingDirection,
@@ -26,7 +26,7 @@ type Fingers<'a> = (
     Option<&'a ContactArea>,
 );
 
-/// Columns of the object; all but the pose only where it moves in time.
+/// Columns of the object; all except the pose exist only in a dynamic scene.
 type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentum)>, Option<&'a GroundWrench>);
 
 /// Builds the frame of this step.
@@ -114,7 +114,7 @@ pub fn record_frame(
     });
 }
 
-/// Moves the procedure on: to what a system asked for, else to the next frame.
+/// Advances the procedure: to the phase that a system requested, otherwise to the next frame.
 pub fn turn_phase(
     mut phase: ResMut<Phase>,
     mut next: ResMut<Next>,
@@ -131,6 +131,6 @@ pub fn turn_phase(
     } else if let Some(asked) = asked {
         *phase = asked;
     }
-    // The conditions of the next step must not see this one's success.
+    // The run conditions of the next step must not use the success of this one.
     report.reached = false;
 }

@@ -1,4 +1,4 @@
-//! First contact, found geometrically on the undeformed pads.
+//! First contact, determined geometrically with undeformed pads.
 
 use crate::gripper::{Approach, approach};
 use crate::model::Model;
@@ -10,10 +10,10 @@ use crate::world::systems::apart::overlap;
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3};
 
-/// Closes every finger until its pad touches the object, or says why it cannot.
+/// Closes every finger until its pad touches the object, or ends the grasp with the reason why it cannot.
 ///
-/// The fingers of a parallel gripper travel together: the one that touches first pushes a free object along until the other
-/// touches too. Without weight and with nothing else in the way that is a translation along the closing direction.
+/// The fingers of a parallel gripper travel together: the first one in contact pushes a free object along until the
+/// other makes contact, too. Without weight and obstacles this is a translation along the closing direction.
 pub fn close_to_contact(
     phase: Res<Phase>,
     shared: Res<Shared>,
@@ -57,7 +57,8 @@ pub fn close_to_contact(
     next.request(Phase::Ramp { frame: 0 });
 }
 
-/// Makes the travels at which two fingers touch a free object alike; returns how far they push it to the middle, m.
+/// Equalises the travels at which two fingers touch a free object; returns the displacement of the object to the
+/// centre, m.
 pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
     let (true, [first, second]) = (model.free, travel) else { return DVec3::ZERO };
     let pushed = model.fingers[0].placement.closing * (0.5 * (*second - *first));
@@ -66,7 +67,7 @@ pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
     pushed
 }
 
-/// Refuses pads that are past each other where they first touch the object: no load brings them apart again.
+/// Rejects pads that overlap when they first touch the object: no load separates them again.
 fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
     let ([first, second], [t, u]) = (model.fingers.as_slice(), travel) else { return Ok(()) };
     let axis = first.placement.closing;
@@ -87,17 +88,17 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
     ))
 }
 
-/// Common travel of geared fingers until the first pad touches the object.
+/// Returns the common travel of geared fingers until the first pad touches the object.
 fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
     let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.offset));
     each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
 }
 
-/// Travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.
+/// Returns the travel of finger `index` until its undeformed pad is `clearance` (m) from the object at `pose`, m.
 ///
 /// # Errors
-/// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message says
-/// which.
+/// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message
+/// states which.
 pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: f64) -> Result<f64, String> {
     let finger = &model.fingers[index];
     let met = approach(
@@ -108,7 +109,7 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
         &model.features,
         pose.position,
         DMat3::from_quat(pose.rotation),
-        // A free object is brought to the middle: seen from there a finger may have to reach farther than its stroke.
+        // A free object will be centred; until then the travel of a finger may exceed its stroke.
         if model.free { 2.0 * model.stroke } else { model.stroke },
         clearance,
     );

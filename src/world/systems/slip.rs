@@ -10,16 +10,17 @@ use crate::world::systems::contact_area::pressed;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-/// Part of Coulomb's limit from which a tangential force counts as at the limit, where forces are known at nodes alone.
+/// Fraction of Coulomb's limit from which on a tangential force counts as slipping, if only nodal forces are known.
 const AT_LIMIT: f64 = 0.99;
-/// Part of the largest force of a node from which another can slide: those of a network are nowhere quite zero.
+/// Fraction of the largest nodal force above which a node can slip: forces of a network are nowhere exactly zero.
 const PRESSED: f64 = 0.01;
 
 /// Node columns.
 type Nodes<'a> = (&'a FingerIndex, &'a Position, &'a ContactForce, &'a mut NodeSlip);
 
-/// Measures which part of the contact force of each node is carried by points that slide. With friction at points of contact, these say
-/// whether they slide; where forces are known at nodes alone, a node slides whose tangential force is at Coulomb's limit of this friction.
+/// Measures the fraction of the contact force of each node that slipping points carry. With friction at contact points,
+/// their slip state is used; if only nodal forces are known, a node slips if its tangential force is at Coulomb's limit
+/// of this friction.
 pub fn measure_slip(
     shared: Res<Shared>,
     edges: Query<(&FingerIndex, &ContactEdge, &ContactFriction)>,
@@ -53,8 +54,8 @@ pub fn measure_slip(
     }
 }
 
-/// Returns which part of the force of each node of pad `f` is carried by points that slide, 0 or 1, where forces are known at nodes alone:
-/// `x` are the places of the nodes, hand frame.
+/// Returns the fraction of the force of each node of pad `f` that slips, 0 or 1, if only nodal forces are known: `x`
+/// are the positions of the nodes, hand frame.
 pub fn by_nodes(
     (model, f): (&Model, usize),
     x: impl Iterator<Item = DVec3>,
@@ -68,19 +69,21 @@ pub fn by_nodes(
         let normal = || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
         f64::from(match model.needs.friction {
             true => pressed && normal().is_some_and(|n| slides(force.0, n, model.fingers[f].law.friction)),
-            // Nothing holds what touches.
+            // Without friction, everything in contact slips.
             false => force.0 != DVec3::ZERO,
         })
     };
     x.zip(force).zip(pressed).map(part).collect()
 }
 
-/// Returns true if a force on a pad (N), pressed along the outward normal of the object, is at Coulomb's limit of this friction.
+/// Returns true if a force on a pad (N) that presses along the outward normal of the object is at Coulomb's limit of
+/// this friction.
 fn slides(force: DVec3, normal: DVec3, friction: f64) -> bool {
     force.dot(normal) > 0.0 && tangential(force, normal, friction).1 >= AT_LIMIT
 }
 
-/// Gathers the slip of the points of contact of pad `f` at its nodes: `x` relative to the finger, which has `carried` them so far, m.
+/// Accumulates the slip of the contact points of pad `f` at its nodes: `x` are their positions relative to the finger,
+/// `carried` is its displacement, m.
 fn by_points(
     (model, f): (&Model, usize),
     carried: DVec3,
@@ -95,7 +98,7 @@ fn by_points(
     let moved = edges[points..].iter().any(|edge| edge.force != DVec3::ZERO);
     let face: Vec<DVec3> = if moved { x.iter().map(|x| axes * (x.0 - origin)).collect() } else { Vec::new() };
     let lookup = moved.then(|| FaceLookup::new(&face, &finger.topology.sensing));
-    // Features of the object touch anywhere.
+    // Contact vertices of the object may touch the pad anywhere.
     let touched = |edge: &ContactEdge| {
         let under = lookup.as_ref().map(|lookup| lookup.under(axes * (edge.point - carried - origin)));
         under.map_or(Stencil::NONE, |nodes| Stencil::new(nodes.into_iter()))

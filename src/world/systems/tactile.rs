@@ -1,4 +1,4 @@
-//! What tactile sensors see in the frame of a step.
+//! Arrays of the tactile sensors in the frame of a step.
 
 use crate::observe::Now;
 use crate::world::schedule::{Recorded, Shared};

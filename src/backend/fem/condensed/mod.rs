@@ -1,19 +1,19 @@
-//! The fast mode: pads condensed onto the part of their surface that can touch the object.
+//! Static condensation of the pads onto the part of their surface that can touch the object: the fast mode.
 //!
 //! ```text
 //! full pad at x:   stiffness K, forces g(x)        every node, rarely
 //!                  | eliminate all but the patch
-//! patch:           1/2 (x_p - c_p)' S (x_p - c_p)  Newton, contact and friction as ever, on few unknowns
+//! patch:           1/2 (x_p - c_p)' S (x_p - c_p)  Newton, contact and friction as usual, on few unknowns
 //!                  | K^-1
 //! full pad:        x = c + K^-1 S (x_p - c_p)      once per load level
-//!                  | c -= K^-1 (g(x) - contact)    correction by the real law at x
+//!                  | c -= K^-1 (g(x) - contact)    correction by the full material law at x
 //! ```
 //!
-//! `S` is the Schur complement of `K` (static condensation: Guyan 1965). `c` is the state in which the unloaded pad would come to
-//! rest if it stayed as stiff as it is. The law of the gel is not linear, so `c` changes with the load. Correcting it once per
-//! level with the old factor is a step of the modified Newton method for the whole pad. The size of this step, over the
-//! displacement, is the error that the user accepts. When corrections are not enough, the pad is condensed again in its current
-//! state. When that is not enough either (elements on the verge of turning inside out), the grasp goes on with whole pads.
+//! `S` is the Schur complement of `K` (static condensation: Guyan 1965). `c` is the equilibrium of the unloaded pad if
+//! its stiffness stayed constant. The gel is nonlinear, so `c` changes with the load. Correcting it once per level with
+//! the existing factor is a modified Newton step for the full pad. The size of this step, over the displacement, is the
+//! error that the user accepts. When corrections are not enough, the pad is recondensed in its current state. When that
+//! is not enough either (elements close to inversion), the grasp falls back to the full model.
 
 mod pad;
 mod patch;
@@ -40,22 +40,22 @@ use std::time::Instant;
 /// The condensed pads of one grasp.
 pub struct Condensation {
     pads: Vec<CondensedPad>,
-    /// Accepted size of a correction: its change of the displacement over the displacement.
+    /// Accepted size of a correction: its change of the displacement, over the displacement.
     error: f64,
     /// Levels of the last two accepted states. The centres are predicted from their change between these levels.
     levels: [Option<f64>; 2],
 }
 
-/// Forces out of balance that a result may leave, over the contact forces, as a part of the accepted error.
+/// Out-of-balance force accepted in a result, over the contact forces and over the accepted error.
 const BALANCE: f64 = 0.1;
-/// Corrections at one level before it counts as failed.
+/// Number of corrections after which a level fails.
 const CORRECTIONS: u32 = 8;
-/// Largest ratio of a correction to the one before. Above it, the stiffness is out of date.
+/// Largest ratio of a correction to the previous one. Above it, the stiffness is out of date.
 const CONTRACTION: f64 = 0.3;
 
 impl Condensation {
-    /// Creates the condensation of the pads of `model` under the dead loads `dead` (N per node; empty lists for none). Nothing is
-    /// condensed yet.
+    /// Creates the condensation of the pads of `model` under the dead loads `dead` (N per node; empty lists for none).
+    /// No pad is condensed yet.
     pub fn new(model: &Model, dead: Vec<Vec<DVec3>>, error: f64) -> Self {
         let pads = model.fingers.iter().zip(dead).map(|(f, dead)| CondensedPad::new(f, dead)).collect();
         Self { pads, error, levels: [None; 2] }
@@ -66,8 +66,8 @@ impl Condensation {
         &self.pads[i]
     }
 
-    /// Condenses the pads at first contact, in the state of `path`. The patches cover the nodes that the force of first contact may
-    /// press on.
+    /// Condenses the pads at first contact, in the state of `path`. The patches include the nodes that the force of
+    /// first contact may bring into contact.
     ///
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
@@ -81,8 +81,8 @@ impl Condensation {
         CondensedPads { pads: self, model }
     }
 
-    /// Corrects the pads of `model` at the equilibrium found at `level` until their error is small enough and contact lies within their
-    /// patches. If it is a `result`, the forces out of balance must be small, too.
+    /// Corrects the pads of `model` at the equilibrium found at `level` until their error is small enough and contact
+    /// lies within their patches. If it is a `result`, the out-of-balance forces must be small, too.
     fn correct_until_converged(
         &mut self,
         path: &mut Path,
@@ -96,7 +96,7 @@ impl Condensation {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
             let grown = self.grow(path, model)?;
-            // Only a result has to be balanced.
+            // Only a result has to satisfy the balance of forces.
             let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
             if error <= self.error && balanced && !grown {
                 self.accept(level);
@@ -111,8 +111,8 @@ impl Condensation {
         Err(Failure::Corrections(last))
     }
 
-    /// Corrects the pads of `model` once at the state found at `level`, on the way to an equilibrium; condenses them anew if they are far
-    /// off or contact has outgrown their patches.
+    /// Corrects the pads of `model` once at the intermediate state found at `level`; recondenses them if the correction
+    /// exceeds the accepted error or contact has outgrown their patches.
     fn adjust(&mut self, path: &mut Path, model: &Model, level: f64) -> Result<(), Failure> {
         let (error, _) = self.correct(path)?;
         self.accept(level);
@@ -122,8 +122,8 @@ impl Condensation {
         Ok(())
     }
 
-    /// Condenses the pads whose contact has outgrown their patches onto larger ones, in the state of `path`; returns true if there
-    /// are any.
+    /// Recondenses the pads whose contact has outgrown their patches onto larger ones, in the state of `path`; returns
+    /// true if there are any.
     fn grow(&mut self, path: &mut Path, model: &Model) -> Result<bool, Failure> {
         let outside: Vec<bool> = (0..self.pads.len()).map(|i| self.is_outside(path, i)).collect();
         if !outside.contains(&true) {
@@ -136,13 +136,13 @@ impl Condensation {
         Ok(true)
     }
 
-    /// Stores the pads as those of the level that was accepted.
+    /// Stores the pads as those of the accepted `level`.
     fn accept(&mut self, level: f64) {
         self.levels = [self.levels[1], Some(level)];
         self.pads.iter_mut().for_each(CondensedPad::accept);
     }
 
-    /// Condenses the pads onto the same nodes, with their stiffness in the state of `path`.
+    /// Recondenses the pads onto the same nodes, with their stiffness in the state of `path`.
     fn condense_again(&mut self, path: &mut Path) -> Result<(), Failure> {
         let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
         self.condense(path, same)
@@ -156,7 +156,7 @@ impl Condensation {
             patch.map_or(Ok(None), |patch| pad.condense(x, patch))
         };
         let bodies: Vec<_> = work.map(condense).collect();
-        // A pad that could not be condensed stays as it was; the solver hosts what the others have become.
+        // A pad that could not be condensed keeps its patch; the solver still gets the new bodies of the others.
         let mut condensed = Ok(());
         for (i, body) in bodies.into_iter().enumerate() {
             match body {
@@ -170,8 +170,8 @@ impl Condensation {
         condensed
     }
 
-    /// Computes whole pads from patches and corrects them by the real law. Returns the size of the correction over the
-    /// displacement, and the out-of-balance forces, N.
+    /// Computes the full pads from their patches and corrects them by the full material law. Returns the size of the
+    /// correction over the displacement, and the out-of-balance force, N.
     fn correct(&mut self, path: &mut Path) -> Result<(f64, f64), Failure> {
         let clock = Instant::now();
         let pads = self.pads.par_iter_mut().zip(path.state.x.par_iter_mut());
@@ -187,7 +187,7 @@ impl Condensation {
         Ok((error, residual))
     }
 
-    /// Begins another kind of load: the levels of the last one say nothing of it.
+    /// Begins another kind of load, for which the previous levels predict nothing.
     pub(crate) fn begin_load(&mut self) {
         self.levels = [None; 2];
     }
@@ -202,23 +202,23 @@ impl Condensation {
         }
     }
 
-    /// Passes the pads to the solver.
+    /// Passes the terms of the pads to the solver.
     fn install(&self, path: &mut Path) {
         for (pad, gel) in self.pads.iter().zip(&mut path.newton.gel) {
             *gel = vec![Box::new(pad.term())];
         }
     }
 
-    /// Writes all that the next level depends on.
+    /// Writes everything that the next level depends on.
     pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&self.levels);
         self.pads.iter().for_each(|pad| pad.write_history(history));
     }
 
-    /// Reads what [`Condensation::write_history`] wrote, and condenses the pads of `path` as they were.
+    /// Reads what [`Condensation::write_history`] wrote, and condenses the pads of `path` as before.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match.
     pub(crate) fn read_history(&mut self, path: &mut Path, history: &mut HistoryReader) -> error::Result<()> {
         self.levels = history.read()?;
         for (i, pad) in self.pads.iter_mut().enumerate() {
@@ -230,12 +230,12 @@ impl Condensation {
         Ok(())
     }
 
-    /// Returns true if contact has reached nodes of pad `i` that are not in its patch.
+    /// Returns true if contact has reached nodes of pad `i` outside its patch.
     fn is_outside(&self, path: &Path, i: usize) -> bool {
         touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
     }
 
-    /// Returns, for every pad, the nodes that may touch the object in the state of `path`, and those that would if the object came
+    /// Returns, for every pad, the nodes that may touch the object in the state of `path`, or would if the object came
     /// `nearer` (m).
     fn patches(&self, path: &Path, model: &Model, nearer: f64) -> Vec<Option<Vec<u32>>> {
         let pads = model.fingers.par_iter().enumerate();
@@ -247,7 +247,7 @@ impl Condensation {
     }
 }
 
-/// Condensed pads of a model, in the form that a continuation uses.
+/// Condensed pads of a model, as the discretisation of a continuation.
 pub struct CondensedPads<'a> {
     pads: &'a mut Condensation,
     model: &'a Model,
@@ -272,15 +272,15 @@ impl PadDiscretisation for CondensedPads<'_> {
 
     fn restore(&mut self, path: &mut Path) {
         self.pads.pads.iter_mut().for_each(CondensedPad::restore);
-        // The terms that came back are those of the patches before.
+        // The terms restored with the path belong to the previous patches.
         self.pads.install(path);
     }
 }
 
-/// Returns the number of nodes that each pad would be condensed onto at first contact, with the object at `pose` and the fingers at
-/// `travel` (m).
+/// Returns the number of nodes that each pad would be condensed onto at first contact, with the object at `pose` and
+/// the fingers at `travel` (m).
 pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
-    // Only where the pads are matters.
+    // Only the positions of the pads matter here.
     let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
     let rigid = RigidUnknowns { closing, ..RigidUnknowns::none(model.fingers.len()) };
     let state = State {
@@ -294,7 +294,7 @@ pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec
     pads.map(|pad| patch(pad).len()).collect()
 }
 
-/// Returns the points at which pad `i` carries contact.
+/// Returns the stencils of pad `i` that are under contact pressure.
 fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
     let edges = path.newton.edge_readings(&path.state, i).into_iter();
     edges.filter(|edge| edge.state.pressure > 0.0).map(|edge| edge.touched)
@@ -308,8 +308,8 @@ mod tests {
     use crate::mech::potential::term::Assembly;
     use crate::scene::from_ron;
 
-    /// A patch that grew in an attempt that failed leaves stiffness and unknowns of one patch: the system can be factorised in the state
-    /// that the path is back at.
+    /// After a failed attempt in which a patch grew, stiffness and unknowns belong to the same patch: the system can be
+    /// factorised in the restored state.
     #[test]
     fn a_patch_that_grew_outlives_the_attempt_that_failed() {
         let text =

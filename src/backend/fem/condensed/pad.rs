@@ -1,4 +1,4 @@
-//! A single pad, condensed onto a patch and brought back.
+//! Static condensation of a single pad onto a patch, and recovery of the full pad.
 
 use super::term::CondensedEnergy;
 use crate::error::{Error, Result};
@@ -14,7 +14,7 @@ use faer::Mat;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// A pad with the factor of its stiffness.
+/// Pad with the factor of its stiffness.
 pub struct CondensedPad {
     body: Arc<Body>,
     dead: Vec<DVec3>,
@@ -23,18 +23,19 @@ pub struct CondensedPad {
     stiffness: Arc<Mat<f64>>,
     /// Positions at which the pad was condensed, m.
     condensed_at: Vec<DVec3>,
-    /// Rest position of every node without load, m: now, at the last accepted level, at the one before.
+    /// Equilibrium position of every node without load, m: current; `accepted`: at the level before the last, and at
+    /// the last.
     center: Vec<DVec3>,
     accepted: [Vec<DVec3>; 2],
-    /// Elastic forces and dead loads of the last corrected state, N per node.
+    /// Elastic forces less dead loads of the last corrected state, N per node.
     gradient: Vec<DVec3>,
 }
 
-/// Sums of squares over the nodes of the effects of a correction.
+/// Sums of squares over the nodes that measure a correction.
 pub(crate) struct Correction {
     /// Sum for the change of the displacement, m2.
     pub change: f64,
-    /// Sum for the displacement from rest, m2.
+    /// Sum for the displacement from the reference position, m2.
     pub displacement: f64,
     /// Sum for the out-of-balance forces before the correction, N2.
     pub residual: f64,
@@ -57,7 +58,7 @@ impl CondensedPad {
         }
     }
 
-    /// Returns the whole pad.
+    /// Returns the full pad.
     pub fn body(&self) -> &Arc<Body> {
         &self.body
     }
@@ -67,7 +68,7 @@ impl CondensedPad {
         &self.gradient
     }
 
-    /// Returns the potential of the whole pad at positions `x`, J.
+    /// Returns the potential of the full pad at positions `x`, J.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
         self.body.energy(x) - self.dead.iter().zip(x).map(|(f, x)| f.dot(*x)).sum::<f64>()
     }
@@ -83,13 +84,13 @@ impl CondensedPad {
         CondensedEnergy { center, patch: self.patch.clone(), stiffness: self.stiffness.clone() }
     }
 
-    /// Returns the nodes that are left, ascending.
+    /// Returns the retained nodes, ascending.
     pub fn patch(&self) -> &[u32] {
         &self.patch
     }
 
-    /// Condenses the pad, with its stiffness at positions `x`, onto the ascending nodes of `patch`. Returns the body that is left
-    /// if these nodes are new.
+    /// Condenses the pad, with its stiffness at positions `x`, onto the ascending nodes of `patch`. Returns the
+    /// condensed body if these nodes are new.
     ///
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
@@ -122,17 +123,17 @@ impl CondensedPad {
         Ok(left)
     }
 
-    /// Writes all that the next correction depends on.
+    /// Writes everything that the next correction depends on.
     pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&self.condensed_at);
         history.write(&(&self.patch, &self.center, &self.accepted, &self.gradient));
     }
 
-    /// Reads what [`CondensedPad::write_history`] wrote; condenses the pad as it was. Returns the body that is left if it was
-    /// condensed.
+    /// Reads what [`CondensedPad::write_history`] wrote; condenses the pad as before. Returns the condensed body if its
+    /// nodes are new.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match.
     pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<Option<Arc<Body>>> {
         let condensed_at: Vec<DVec3> = history.read()?;
         let (patch, center, accepted, gradient): (Vec<u32>, _, _, _) = history.read()?;
@@ -147,9 +148,10 @@ impl CondensedPad {
         Ok(left)
     }
 
-    /// Computes the positions `x` of the whole pad from those of its patch, and corrects the centre by the real law.
+    /// Computes the positions `x` of the full pad from those of its patch, and corrects the centre by the full material
+    /// law.
     pub(crate) fn correct(&mut self, x: &mut [DVec3]) -> Correction {
-        // Nothing but the patch is loaded, and its displacement is known.
+        // Only the patch is loaded, and its displacement is known.
         let (displacement, force) = self.term().force(x);
         let (mut moved, mut contact) = (vec![DVec3::ZERO; x.len()], vec![DVec3::ZERO; x.len()]);
         for ((&n, u), f) in self.patch.iter().zip(displacement.chunks_exact(3)).zip(force.chunks_exact(3)) {
@@ -161,7 +163,7 @@ impl CondensedPad {
         factor.follow_last(&mut moved, 3 * self.patch.len());
         let patch: Vec<DVec3> = self.patch.iter().map(|&n| x[n as usize]).collect();
         x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
-        // The patch is given, not computed.
+        // The positions of the patch are given; the single-precision solution must not round them.
         self.patch.iter().zip(patch).for_each(|(&n, given)| x[n as usize] = given);
         self.gradient = loads(&self.dead, x.len());
         body.add_gradient(x, &mut self.gradient);
@@ -196,7 +198,7 @@ impl CondensedPad {
     }
 }
 
-/// Gradient of the dead loads alone, N.
+/// Returns the gradient of the dead loads alone, N.
 fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
     let mut gradient: Vec<DVec3> = dead.iter().map(|f| -*f).collect();
     gradient.resize(nodes, DVec3::ZERO);

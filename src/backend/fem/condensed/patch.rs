@@ -7,11 +7,11 @@ use crate::part::FingerModel;
 use crate::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
 use std::collections::BTreeSet;
 
-/// Number of nodes of a small patch.
+/// Number of nodes up to which a patch has the margin `SMALL_PATCH_MARGIN`.
 const SMALL: usize = 64;
 
-/// Returns the free nodes of the patch, ascending: those of the pad's points near the object and those of the `touched` stencils.
-/// Contact has this `offset` (m); near means within reach when the object comes `nearer` (m).
+/// Returns the free nodes of the patch, ascending: those of the `touched` stencils, and those of the pad's vertices
+/// that are within the contact `offset` (m) of the object, or would be if it came `nearer` (m), with a margin.
 pub fn choose(
     finger: &FingerModel,
     view: &BodyView,

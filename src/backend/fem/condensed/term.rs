@@ -10,10 +10,10 @@ use glam::DVec3;
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
-/// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in its order.
+/// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in the same order.
 #[derive(Debug, Clone)]
 pub struct CondensedEnergy {
-    /// Rest position of the patch without load, m, relative to the finger.
+    /// Equilibrium position of the patch without load, m, relative to the finger.
     pub center: Vec<DVec3>,
     /// Nodes of the patch.
     pub patch: Arc<[u32]>,
@@ -22,7 +22,8 @@ pub struct CondensedEnergy {
 }
 
 impl CondensedEnergy {
-    /// Returns displacement from the centre and elastic force, `S (x - c)`, N, three entries per node of the patch.
+    /// Returns the displacement from the centre and the elastic force, `S (x - c)`, N, three entries per node of the
+    /// patch.
     pub fn force(&self, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
         let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
         let moved: Vec<f64> = moved.collect();
@@ -54,7 +55,8 @@ impl BodyTerm for CondensedEnergy {
     }
 }
 
-/// Product of the stiffness with a displacement: a callable struct, which uses all registers of a processor.
+/// Product of the stiffness with a displacement, as a struct that is compiled for the vector instructions of the
+/// processor.
 struct Force<'a> {
     stiffness: &'a Mat<f64>,
     moved: &'a [f64],

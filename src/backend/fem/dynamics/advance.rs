@@ -1,4 +1,4 @@
-//! Start of Newton's method in a time step.
+//! Initial guess of Newton's method in a time step.
 
 use crate::mech::newton::Newton;
 use crate::mech::potential::state::State;
@@ -6,12 +6,13 @@ use crate::mech::potential::state::State;
 /// Largest number of moves towards a prediction.
 const MOVES: usize = 32;
 
-/// Returns the start of a step from `from`: the candidate state of lowest potential. Candidates are `from` itself, the predicted
-/// state, and the last state on the way to it at which nothing is touched. A motion of at most `safe` (m) cannot jump over a pad.
+/// Returns the initial guess of a step from `from`: the predicted state if it has no higher potential and a motion of
+/// at most `safe` (m), which cannot jump over a pad; otherwise the last state without contact on the way to it, if that
+/// has no higher potential; otherwise `from`.
 pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
     let motion = largest_motion(newton, from, &predicted);
     let (here, there) = (newton.energy(from), newton.energy(&predicted));
-    // Not finite where an element is turned inside out.
+    // False for inverted elements, whose energy is not finite.
     let better = there <= here;
     if better && motion <= safe {
         return predicted;
@@ -20,7 +21,7 @@ pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> Stat
     if newton.energy(&near) <= here { near } else { from.clone() }
 }
 
-/// Moves from `from` towards `to` until something is touched: conservative advancement (Mirtich & Canny 1995).
+/// Moves from `from` towards `to` until contact: conservative advancement (Mirtich & Canny 1995).
 fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
     let mut part = 0.0;
     let mut state = from.clone();
@@ -35,7 +36,7 @@ fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
     state
 }
 
-/// Returns a bound of the motion of any point of pads and object relative to each other, m.
+/// Returns an upper bound of the relative motion between any points of pads and object, m.
 fn largest_motion(newton: &Newton, from: &State, to: &State) -> f64 {
     let pairs = from.x.iter().flatten().zip(to.x.iter().flatten());
     let nodes = pairs.map(|(a, b)| a.distance_squared(*b)).fold(0.0, f64::max).sqrt();

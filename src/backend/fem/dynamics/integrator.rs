@@ -1,4 +1,4 @@
-//! Time steps: predict, solve, accept; or roll back and take a shorter step.
+//! Time integration: predict, solve, accept; on failure, roll back and shorten the step.
 
 use super::{advance, terms};
 use crate::error;
@@ -17,7 +17,7 @@ use crate::scene::motion::HandState;
 use bevy_ecs::prelude::*;
 use glam::DQuat;
 
-/// Time and history for the predictor. The terms keep the velocities and the sticking points of friction.
+/// Time and history for the predictor. Velocities and friction anchors are stored in the terms.
 #[derive(Resource, Debug)]
 pub struct Integrator {
     /// Time reached, s.
@@ -25,18 +25,18 @@ pub struct Integrator {
     /// State of the hand at that time.
     pub hand: HandState,
     pose: GraspPose,
-    /// State one step before the accepted one, and that step, s.
+    /// State one step before the accepted one, and the size of that step, s.
     before: Option<(State, f64)>,
-    /// Size of the next step, s, up to the scene's time step.
+    /// Size of the next step, s, at most the scene's time step.
     size: StepSize,
 }
 
-/// Shortest step that is tried before the scene is given up, over the time step.
+/// Shortest step, over the time step; if it fails, the grasp ends.
 const SHORTEST: f64 = 1.0 / 64.0;
-/// Residual of a time step over that of a quasi-static increment: errors of momentum add up over the steps.
+/// Residual of a time step over that of a quasi-static increment: momentum errors accumulate over the steps.
 const SHARP: f64 = 1e-2;
-/// Largest motion of any point between pads in an iteration, over that of a quasi-static increment. Without pads there is nothing
-/// to jump over.
+/// Largest motion of any point in an iteration, in a scene with pads, over that of a quasi-static increment. Without
+/// pads the motion is unlimited: there is nothing to jump over.
 const STRIDE: f64 = 2.0;
 
 impl Integrator {
@@ -48,7 +48,8 @@ impl Integrator {
     /// Advances time to `end` (s).
     ///
     /// # Errors
-    /// Fails if the shortest step does not converge; returns its time and the cause. The state is then the last accepted one.
+    /// Fails if the shortest step does not converge; returns its time and the cause. The state is then the last
+    /// accepted one.
     pub fn advance(
         &mut self,
         path: &mut Path,
@@ -64,7 +65,7 @@ impl Integrator {
         let steps = (whole / dynamics.time_step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
         let mut done = Advanced::default();
         for k in 1..=steps {
-            // The last one meets `end` exactly.
+            // The last step ends at `end` exactly.
             let to = if k == steps { end } else { from + whole * k as f64 / steps as f64 };
             let shortest = (to - self.time) * SHORTEST;
             while self.time < to {
@@ -82,7 +83,7 @@ impl Integrator {
         Ok(done)
     }
 
-    /// Adds the terms of motion in time to the solver, and sets its tolerances.
+    /// Adds the dynamic terms to the solver, and sets its tolerances.
     fn begin(&mut self, path: &mut Path, model: &Model, dynamics: &Dynamics, settings: &scene::Fem) {
         if !model.free {
             hold_in_world(&mut path.state, &self.hand);
@@ -102,7 +103,7 @@ impl Integrator {
             motion: if model.fingers.is_empty() { f64::INFINITY } else { STRIDE * usual.motion },
             ..usual
         };
-        // As if the object had been moving before.
+        // The object was already moving before the start.
         let mut before = path.state.clone();
         if model.free {
             let (h, back) = (dynamics.time_step, self.hand.rotation.conjugate());
@@ -114,15 +115,15 @@ impl Integrator {
         self.before = Some((before, dynamics.time_step));
     }
 
-    /// Writes all that the next step depends on beside the path.
+    /// Writes everything that the next step depends on, except the path.
     pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
         history.write(&(self.time, self.size, &self.before));
     }
 
-    /// Reads what [`Integrator::write_history`] wrote; gives `path` its terms if motion had begun.
+    /// Reads what [`Integrator::write_history`] wrote; adds the dynamic terms to `path` if motion had begun.
     ///
     /// # Errors
-    /// Fails for a history of something else.
+    /// Fails if the history does not match.
     pub(crate) fn read_history(
         &mut self,
         path: &mut Path,
@@ -153,7 +154,7 @@ impl Integrator {
         let step = TimeStep { size, hand };
         let newton = &mut path.newton;
         newton.step = Some(step);
-        // The start of the step compares energies.
+        // The choice of the initial guess below compares energies, which depend on the start of the step.
         newton.depart(&path.state);
         newton.force.fill(hand.force / model.fingers.len().max(1) as f64);
         let mut here = path.state.clone();
@@ -185,7 +186,7 @@ impl Integrator {
     }
 }
 
-/// Keeps a fixed object at its place in the world while the hand moves.
+/// Keeps a fixed object at its pose in the world while the hand moves.
 fn hold_in_world(state: &mut State, hand: &HandState) {
     state.rotation = hand.rotation.conjugate();
     state.position = hand.to_hand(glam::DVec3::ZERO);

@@ -1,4 +1,4 @@
-//! Motion in time: terms of inertia, viscosity and drive for a time step, and the steps themselves.
+//! Dynamics: inertia, viscosity and drive terms of a time step, and the time integration.
 
 pub mod advance;
 pub mod integrator;

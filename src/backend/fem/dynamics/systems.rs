@@ -1,4 +1,4 @@
-//! Systems of motion in time, beside those of the backend.
+//! Systems of dynamic scenes, in addition to those of the backend.
 
 use super::integrator::Integrator;
 use crate::backend::fem::stepper::GraspSolver;
@@ -6,7 +6,7 @@ use crate::world::components::*;
 use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
-/// Takes time steps up to that of the frame. On failure the state is the last accepted one and the grasp ends.
+/// Integrates up to the time of the frame. On failure the state is the last accepted one and the grasp ends.
 pub fn advance_time(
     mut solver: ResMut<GraspSolver>,
     mut integrator: ResMut<Integrator>,

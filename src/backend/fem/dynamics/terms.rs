@@ -1,4 +1,4 @@
-//! Terms that motion in time adds to those of a quasi-static scene.
+//! Terms that dynamics adds to those of a quasi-static scene.
 
 use crate::mech::contact::GroundContact;
 use crate::mech::newton::Newton;
@@ -11,7 +11,8 @@ use crate::model::{Dynamics, Model};
 use crate::scales::STROKE_YIELD;
 use crate::scene::motion::HandState;
 
-/// Adds the terms for a start from `state` with the hand at `hand`. All is at rest but for the object's own velocity.
+/// Adds the terms for a start from `state` with the hand at `hand`. Everything is at rest except an object with initial
+/// velocity.
 pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: HandState) {
     for (i, finger) in model.fingers.iter().enumerate() {
         let (body, view) = (&finger.body, state.view(i, &newton.rigid));
