@@ -1,4 +1,4 @@
-//! Report of a run as text.
+//! Text report of a run.
 
 use crate::gripper::GraspPose;
 use crate::judge::Verdict;
@@ -10,7 +10,7 @@ use crate::scene::{Expectation, Scene, StepperChoice};
 use crate::simulate::Simulated;
 use std::fmt::Write;
 
-/// Renders heading, a row per grasp, expectations and the profile.
+/// Renders the heading, a row per grasp, the expectations and the profile.
 pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulated) -> String {
     let Simulated { outcomes, held, report, wall_s } = simulated;
     let mut out = String::new();
