@@ -6,7 +6,7 @@
 //! |---|---|
 //! | finite | every number of the frame |
 //! | no inversion | [`inversion`]: det F at corners, edge midpoints, quadrature points and centre of each tetrahedron |
-//! | no penetration | [`penetration`]: points of pads against [`solid`], of object and other pad against the tetrahedra |
+//! | no penetration | [`penetration`]: points of pads against [`solid`], of object and other pad against tetrahedra |
 //! | converged | [`equilibrium`]: elastic forces of the recorded positions ([`elasticity`]) against the loads |
 //!
 //! Apart from finiteness, only the checks that the expectations of a scene need are computed.
