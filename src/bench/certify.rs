@@ -40,7 +40,7 @@ pub struct Reference {
     pub fields: BTreeMap<QuantityName, ErrorEstimate>,
     /// Distances of all pairs of meshes for displacement and stress, as in [`MeshLadder::distances`].
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
-    /// Findings for the reader.
+    /// Notices and findings of the mesh refinement study.
     pub findings: Vec<String>,
 }
 

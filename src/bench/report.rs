@@ -128,7 +128,7 @@ pub struct BenchReport {
     pub ladder: MeshLadder,
     /// Largest speed-up of the contenders; null without any, or if no setting reaches their error.
     pub speedup_at_equal_error: Option<f64>,
-    /// Notices for the reader of the numbers.
+    /// Notices about the results.
     pub notices: Vec<String>,
 }
 

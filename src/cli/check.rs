@@ -1,5 +1,5 @@
-//! Command `tactus check`: checks a scene and prints it with defaults and includes written out, and what a run would
-//! do.
+//! Command `tactus check`: checks a scene, and prints it with includes and defaults written out and the properties of a
+//! run.
 
 use super::console::Console;
 use super::findings::{Found, TRIED};
@@ -56,7 +56,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     }
     let (mut runs, mut objects, mut errors, mut problems) = (true, Vec::new(), Vec::new(), String::new());
     let examined = &set.scenes[..set.scenes.len().min(EXAMINED)];
-    // One chunk is in memory at a time, because each object has its own pads.
+    // Chunks of one object per thread limit the memory, because each object has its own pads.
     for chunk in examined.chunks(machine_threads()) {
         let found = chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.place(e, &named.name))));
         for (NamedScene { name, scene, .. }, found) in found.collect::<Vec<_>>() {

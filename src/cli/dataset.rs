@@ -67,8 +67,8 @@ pub struct DatasetArgs {
     /// Number of grasps to simulate with `--worst-of`.
     #[arg(long, value_name = "N", requires = "worst_of", value_parser = clap::value_parser!(u64).range(1..))]
     pub keep: Option<u64>,
-    /// Time limit of a grasp, s of wall time; a grasp that exceeds it ends with the status `fault`. The files then
-    /// depend on the speed of the machine.
+    /// Time limit of a grasp in wall-clock seconds; a grasp that exceeds it ends with the status `fault`. The files
+    /// then depend on the speed of the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
     /// Simulate only part I of N, from 1 to N. Parts may run at the same time, on several machines that share the
@@ -76,7 +76,7 @@ pub struct DatasetArgs {
     #[arg(long, value_name = "I/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
     /// Also measure the sensitivity of the first N grasps of each object (like `run --sensitivity`) into
-    /// `sensitivity.csv`; for these grasps this is five times additional work.
+    /// `sensitivity.csv`; this adds five times the work for these grasps.
     #[arg(long, value_name = "N", conflicts_with = "part", value_parser = clap::value_parser!(u64).range(1..))]
     pub sensitivity: Option<u64>,
     /// Print the content and the size of the data set, and stop.
@@ -246,7 +246,7 @@ struct Bar<'a> {
 impl<'a> Bar<'a> {
     fn new(console: &'a dyn Console, grasps: usize, resumed: usize, frames: usize) -> Self {
         let bar = console.show(ProgressBar::new(((grasps - resumed) * frames) as u64));
-        // The template is a constant; if it were wrong the default style would do.
+        // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
             bar.set_style(style);
         }

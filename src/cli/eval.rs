@@ -40,14 +40,14 @@ pub struct EvalArgs {
     /// Number of worst grasps that are drawn and listed in the JSON report.
     #[arg(long, default_value_t = 5)]
     pub worst: usize,
-    /// Write the inputs and outputs of the network for the first test grasp as `.npz`, to verify another implementation
-    /// against: see tests/network/torch_check.py.
+    /// Write the inputs and outputs of the network for the first test grasp as `.npz`, to verify another
+    /// implementation: see tests/network/torch_check.py.
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
     /// Also print the errors by object, by fifth of the load and by frame.
     #[arg(long)]
     pub groups: bool,
-    /// Number of threads; the default is all threads of the machine. The errors do not depend on it, to the last bit.
+    /// Number of threads; the default is all threads of the machine. The errors are bitwise independent of it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
     /// Format of the report on stdout.

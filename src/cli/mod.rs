@@ -124,7 +124,7 @@ fn long_version() -> &'static str {
     &TEXT
 }
 
-/// Runs the command of the process's arguments. An error is printed to stderr and gives exit code 2; clap reports
+/// Runs the command given by the process arguments. An error is printed to stderr and gives exit code 2; clap reports
 /// invalid arguments with the same code.
 pub fn main() -> ExitCode {
     match on_terminal(&Cli::parse()) {

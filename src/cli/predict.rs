@@ -49,14 +49,13 @@ pub struct PredictArgs {
     /// Folder for the arrays: one `NAME.npz` for each object.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the arrays of an earlier prediction in the folder; without it they are an error.
+    /// Replace the arrays of an earlier prediction in the folder instead of failing.
     #[arg(long, requires = "out")]
     pub overwrite: bool,
     /// Allow predictions outside the range of the training data, where their error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
-    /// Number of threads; the default is all threads of the machine. The predictions do not depend on it, to the last
-    /// bit.
+    /// Number of threads; the default is all threads of the machine. The predictions are bitwise independent of it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
     /// Format of the report on stdout.

@@ -24,7 +24,7 @@ impl<'c> RunProgress<'c> {
     /// `grasps`. It also prints a line for each frame if the console requests details.
     pub fn new(console: &'c dyn Console, grasps: usize, frames: usize) -> Self {
         let bar = console.show(ProgressBar::new((grasps * frames) as u64));
-        // The template is a constant; if it were wrong the default style would do.
+        // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} frame {pos}/{len}  {msg}  {elapsed}") {
             bar.set_style(style);
         }

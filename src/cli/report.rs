@@ -39,7 +39,7 @@ pub struct ReportArgs {
 /// Writes the page and prints its tables.
 ///
 /// # Errors
-/// Fails if a folder has no readable results, the model cannot be judged, or the page cannot be written.
+/// Fails if a folder has no readable results, the model cannot be evaluated, or the page cannot be written.
 pub fn report_page(args: &ReportArgs, console: &dyn Console) -> Result<u8> {
     let wishes = Wishes {
         model: args.model.clone(),

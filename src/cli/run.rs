@@ -22,7 +22,7 @@ pub struct RunArgs {
     /// Folder for the results; without it no files are written.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the results of an earlier run in the folder; without it they are an error.
+    /// Replace the results of an earlier run in the folder instead of failing.
     #[arg(long, requires = "out")]
     pub overwrite: bool,
     /// Format of the report on stdout.
@@ -31,8 +31,8 @@ pub struct RunArgs {
     /// Number of threads; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Time limit of a grasp, s of wall time; a grasp that exceeds it ends with the status `fault`. Results then depend
-    /// on the speed of the machine.
+    /// Time limit of a grasp in wall-clock seconds; a grasp that exceeds it ends with the status `fault`. Results then
+    /// depend on the speed of the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
     /// Run only the grasp with this number, from 0; may be given several times.

@@ -14,7 +14,7 @@ use std::fmt::Write;
 pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulated) -> String {
     let Simulated { outcomes, held, report, wall_s } = simulated;
     let mut out = String::new();
-    // Writing to a String cannot fail; the results below are dropped for that reason.
+    // Writing to a String cannot fail, so the results below are ignored.
     if !scene.about.is_empty() {
         let _ = writeln!(out, "{}", scene.about);
     }

@@ -63,7 +63,7 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
         if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
     ));
     let bar = console.show(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
-    // The template is a constant; if it were wrong the default style would do.
+    // The template is a constant; if it were invalid, the default style would be used.
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {
         bar.set_style(style);
     }

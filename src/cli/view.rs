@@ -18,8 +18,8 @@ const GRASPS: usize = 8;
 /// Arguments of `tactus view`.
 #[derive(Debug, clap::Args)]
 pub struct ViewArgs {
-    /// Folder of a run, data set, training or bench, which may be incomplete; or a scene, which is run while
-    /// its results are shown.
+    /// Folder of a run, data set, training or bench, which may be incomplete; or a scene, which is run while its
+    /// results are shown.
     pub path: PathBuf,
     /// Folder for the results of a scene; without it they are deleted when the viewer ends.
     #[arg(short, long, value_name = "DIR")]
@@ -53,7 +53,7 @@ pub struct WatchArgs {
     pub port: u16,
 }
 
-/// Serves the page of a folder until an end is requested; runs a scene and serves the page of its results.
+/// Serves the page of a folder, or of the results of a scene that it runs, until an end is requested.
 ///
 /// # Errors
 /// Fails if there is nothing to show, the port is taken, or the scene cannot run.

@@ -22,7 +22,7 @@ pub struct Columns {
 const MOST: usize = 256;
 
 impl Columns {
-    /// Creates the columns of a closed, consistently outward surface.
+    /// Creates the columns of a closed surface with outward orientation.
     pub fn new(mesh: &TriMesh) -> Self {
         let turn = DMat3::from_rotation_x(0.737) * DMat3::from_rotation_y(0.419) * DMat3::from_rotation_z(1.131);
         let triangles: Vec<_> = (0..mesh.triangles.len()).map(|t| mesh.corners(t).map(|p| turn * p)).collect();
