@@ -1,4 +1,4 @@
-//! Table of references: values of single grasps, each with its error as a ladder estimates it, for comparisons.
+//! Table of references: values of single grasps with error estimates from a mesh refinement study.
 
 use super::contest::{Climb, Rules};
 use super::ladder::{ErrorEstimate, MeshLadder, Role};
@@ -34,30 +34,32 @@ pub struct Reference {
     pub nodes: usize,
     /// Wall time of the reference, s.
     pub time_s: Option<f64>,
-    /// Values with their errors, in SI; the unit ends the name.
+    /// Values with their errors, SI; the name ends with the unit.
     pub values: BTreeMap<QuantityName, Certified>,
     /// Errors of the reference's fields over the frames of the grasp, relative.
     pub fields: BTreeMap<QuantityName, ErrorEstimate>,
-    /// Distances of all pairs of meshes for displacement and stress, as [`MeshLadder::distances`].
+    /// Distances of all pairs of meshes for displacement and stress, as in [`MeshLadder::distances`].
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
-    /// Findings for the reader.
+    /// Notices and findings of the mesh refinement study.
     pub findings: Vec<String>,
 }
 
-/// Value and its error, both in the value's unit.
+/// Value with its error, both in the value's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certified {
     /// Value of the reference.
     pub value: f64,
-    /// Error: the larger of the changes by the last refinement and by a mesh of another kind, combined with twice the change by half the
-    /// tolerance of the path as the square root of the sum of squares.
+    /// Error estimate: the root sum of squares of the mesh error, which is the larger of the changes by the last
+    /// refinement and by a mesh of another kind, and of the path error, which is twice the change by halving the path
+    /// tolerance.
     pub error: f64,
 }
 
-/// Computes the reference of the first grasp of `named`, from the scene file `scene`; `progress` is told of every mesh.
+/// Computes the reference of the first grasp of `named`, from the scene file `scene`; `progress` is called for every
+/// mesh.
 ///
 /// # Errors
-/// Fails if the scene cannot be compared or built, or the reference does not bring the grasp to its end.
+/// Fails if the scene is not supported by a bench or cannot be built, or the reference does not complete the grasp.
 pub fn certify(
     named: &NamedScene,
     scene: &Path,
@@ -102,7 +104,7 @@ pub fn certify(
     Ok((row, ladder))
 }
 
-/// Columns of the table: a value, its name, and how many of its units make one of the column's.
+/// Columns of the table: name of a value, heading, and factor from the value's SI unit to that of the column.
 const COLUMNS: [(&str, &str, f64); 6] = [
     ("force_n", "force, N", 1.0),
     ("travel_m", "travel, mm", 1e3),
@@ -127,7 +129,7 @@ impl References {
             .map_err(|e| Error::file(&path, format!("is not what `tactus bench --certify` writes: {e}")))
     }
 
-    /// Adds a row; replaces one of the same name.
+    /// Adds a row, or replaces the row of the same name.
     pub fn put(&mut self, row: Reference) {
         match self.rows.iter_mut().find(|r| r.name == row.name) {
             Some(old) => *old = row,

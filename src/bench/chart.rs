@@ -1,4 +1,4 @@
-//! Chart of time against error, both logarithmic, as PNG and as SVG: points, the Pareto front, dominated points.
+//! Chart of error against time, both logarithmic, as PNG and as SVG: points, the Pareto front, dominated points.
 
 use super::report::{BenchReport, Point, SpeedUp};
 use crate::error::Result;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Writes `bench.png` and `bench.svg` into `dir`.
 ///
 /// # Errors
-/// Fails if a file cannot be written or the contest has no point with time and error.
+/// Fails if a file cannot be written or no point has a time and an error.
 pub fn save_chart(report: &BenchReport, dir: &Path) -> Result<()> {
     save_picture(report, dir, "bench")
 }
@@ -26,7 +26,7 @@ impl Picture for BenchReport {
     }
 }
 
-/// Returns the points that have a place, with their numbers in the list.
+/// Returns the points that have a time and an error, with their numbers in the legend.
 fn placed(report: &BenchReport) -> Vec<(usize, &Point, (f64, f64))> {
     let all = report.points.iter().enumerate();
     all.filter_map(|(i, p)| p.place().map(|(time, error)| (i + 1, p, (time, 100.0 * error)))).collect()
@@ -47,7 +47,7 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
     if let Some(own) = own {
         let line = [(times.start, own), (times.end, own)];
         chart.draw_series(DashedLineSeries::new(line, 6, 5, MUTED.into()))?;
-        // At the right, where nobody is both slow and wrong.
+        // At the right, where no points are expected: none is both slow and inaccurate.
         let style = text_style(14, &MUTED).pos(Pos::new(HPos::Right, VPos::Bottom));
         let name = Text::new("error of the reference itself", (times.end / 1.05, own * 1.04), style);
         chart.draw_series([name])?;
@@ -66,13 +66,13 @@ fn pareto<B: DrawingBackend>(area: &Area<B>, report: &BenchReport) -> Drawn<B> {
     Ok(())
 }
 
-/// Returns the number of every point; points whose labels would lie on each other share one.
+/// Returns labels with the numbers of the points; points whose labels would overlap share one.
 fn labels(
     placed: &[(usize, &Point, (f64, f64))],
     times: &Range<f64>,
     errors: &Range<f64>,
 ) -> Vec<((f64, f64), String)> {
-    // Distance as a part of the whole axis.
+    // Distance as a fraction of the axis.
     let apart = |a: f64, b: f64, axis: &Range<f64>| (a / b).ln().abs() / (axis.end / axis.start).ln();
     let near = |a: (f64, f64), b: (f64, f64)| apart(a.0, b.0, times) < 0.08 && apart(a.1, b.1, errors) < 0.03;
     let mut labels: Vec<((f64, f64), String)> = Vec::new();
@@ -88,7 +88,7 @@ fn labels(
     labels
 }
 
-/// Returns the meaning of the numbers.
+/// Returns the lines of the legend.
 fn names(report: &BenchReport) -> Vec<(String, RGBColor)> {
     let point = |(number, point, _): (usize, &Point, _)| {
         let beaten = if point.dominated { ", dominated" } else { "" };

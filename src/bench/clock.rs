@@ -1,4 +1,4 @@
-//! Time and memory of this process, if the system provides them.
+//! Processor time and memory of this process, if the system provides them.
 
 /// Returns the processor time of all threads since the start of the process, user and system, s; None if unknown.
 pub fn processor_time() -> Option<f64> {
@@ -21,7 +21,7 @@ pub fn peak_memory() -> Option<u64> {
     status("VmHWM:")
 }
 
-/// Reads a line of `/proc/self/status`, bytes.
+/// Reads an entry of `/proc/self/status`, bytes.
 fn status(name: &str) -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix(name))?;

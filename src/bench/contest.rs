@@ -1,4 +1,5 @@
-//! Contest of all configurations over the same grasps, in turns, so that a busy machine slows them all alike.
+//! Comparison of all configurations on the same grasps. Repetitions are interleaved, so that other load on the machine
+//! affects all configurations alike.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::ladder::{self, Member, MeshLadder, Role, Tally};
@@ -23,16 +24,16 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Rules of a contest.
+/// Settings of a comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
     /// Number of grasps, evenly spread over those of the scene; all if there are fewer.
     pub grasps: usize,
     /// Number of threads of each grasp; grasps run one at a time.
     pub threads: usize,
-    /// Number of simulations of each grasp by each configuration; times are medians.
+    /// Number of repetitions of each grasp by each configuration; times are medians.
     pub repeats: usize,
-    /// Number of meshes of one kind from which the error of the reference is estimated.
+    /// Number of levels of the mesh refinement sequence from which the error of the reference is estimated.
     pub rungs: usize,
 }
 
@@ -41,29 +42,29 @@ pub struct Rules {
 pub struct ContestEntry {
     /// Configuration of the entry.
     pub configuration: Configuration,
-    /// Model and backend, once its first turn has come.
+    /// Model and backend; None while they are not loaded.
     pub prepared: Option<Prepared>,
-    /// Wall time of the set-up and of the first simulation of the first grasp, s.
+    /// Wall time of the set-up and of the first simulation after it, s.
     pub cold_s: f64,
-    /// Wall time of each turn by grasp, s, without the time for keeping frames for the comparison.
+    /// Wall time of each repetition by grasp, s, without the time for recording frames.
     pub wall_s: BTreeMap<usize, Vec<f64>>,
     /// Processor time of all threads by grasp, s.
     pub processor_s: BTreeMap<usize, Vec<f64>>,
-    /// Wall time by stage, all turns, s.
+    /// Wall time by stage, all repetitions, s.
     pub stages: BTreeMap<&'static str, f64>,
-    /// Number of Newton iterations or decoder passes, all turns.
+    /// Number of Newton iterations or decoder passes, all repetitions.
     pub iterations: u64,
-    /// Number of frames, all turns.
+    /// Number of frames, all repetitions.
     pub frames: usize,
     /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
     pub peak_memory: Option<u64>,
-    /// Errors, one per grasp and frame above a fifth of the load.
+    /// Errors, one per grasp and frame from a fifth of the load on.
     pub errors: Vec<Distance>,
-    /// Grasps that did not reach their end, with the reason.
+    /// Grasps that did not reach their load, with the reason.
     pub failed: Vec<String>,
 }
 
-/// Configuration that is ready to run.
+/// Configuration with its loaded model and backend.
 #[derive(Debug)]
 pub struct Prepared {
     /// Model of its scene.
@@ -85,10 +86,12 @@ impl Observer for Keep {
     }
 }
 
-/// Runs a contest of the settings around those of `scene` and the networks in `models`; `progress` is told of every turn.
+/// Compares the settings around those of `scene` and the networks in `models`; `progress` is called for every
+/// simulation.
 ///
 /// # Errors
-/// Fails if the scene cannot be compared or built, a network refuses it, or the reference reaches the end of no grasp.
+/// Fails if the scene is not supported by a bench or cannot be built, a network rejects it, or the reference completes
+/// no grasp.
 pub fn contest(
     scene: &Scene,
     models: &[PathBuf],
@@ -100,7 +103,7 @@ pub fn contest(
     let mut entries: Vec<ContestEntry> = sweep.configurations(models)?.into_iter().map(ContestEntry::new).collect();
     let mut grasps = sample(&poses_of(scene)?, rules.grasps);
     if let Some((_, pose)) = grasps.first() {
-        // From small to large: what the allocator keeps of one serves the next.
+        // In order of size, because memory that the allocator keeps from one configuration is reused by the next.
         let mut all: Vec<&mut ContestEntry> = entries.iter_mut().chain([climb.reference()]).collect();
         all.sort_by_key(|e| e.configuration.nodes);
         for entry in all {
@@ -142,18 +145,18 @@ pub fn contest(
     Ok(BenchReport::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
 }
 
-/// Result of a member of a ladder for a grasp.
+/// Result of a member of the mesh refinement study for a grasp.
 #[derive(Debug)]
 pub struct RungResult {
     /// Role of the member.
     pub role: Role,
-    /// Fields of its frames at the common points.
+    /// Fields of its frames at the common points; empty if it failed.
     pub fields: Vec<Fields>,
     /// Values of its last frame.
     pub values: FrameValues,
 }
 
-/// Members of a ladder, with their distances on the grasps so far.
+/// Members of the mesh refinement study, with their distances accumulated over the grasps.
 #[derive(Debug)]
 pub struct Climb {
     members: Vec<(Role, ContestEntry)>,
@@ -161,22 +164,23 @@ pub struct Climb {
     tally: Tally,
     /// Points at which fields are compared.
     pub points: Points,
-    /// Threads of a grasp.
+    /// Thread pool in which grasps run.
     pub pool: rayon::ThreadPool,
-    /// Notices of the grasps that are left out, with the reason.
+    /// Notices of failed grasps, with the reason.
     pub notices: Vec<String>,
 }
 
 impl Climb {
-    /// Builds the ladder of the scene of a sweep.
+    /// Creates the mesh refinement study for the scene of a sweep.
     ///
     /// # Errors
-    /// Fails if a pad cannot be meshed so finely or threads cannot be started.
+    /// Fails if a pad cannot be meshed or threads cannot be started.
     pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
         let members: Vec<_> =
             ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, ContestEntry::new(c))).collect();
         let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
-        // Where the mesh before the last one is integrated: its elements see the edge of a patch, and there are not too many of them.
+        // Quadrature points of the mesh one level below the reference: it resolves the edge of a contact patch with an
+        // affordable number of points.
         let (_, sampled) = &members[reference.saturating_sub(1)];
         let points = Points::of(&Model::build(&sampled.configuration.scene)?.finger()?.topology);
         let pool = rayon::ThreadPoolBuilder::new()
@@ -191,8 +195,8 @@ impl Climb {
         &mut self.members[self.reference].1
     }
 
-    /// Simulates a grasp with all members. If the reference fails, there are no results but a notice. Other members that fail are left
-    /// out with a notice.
+    /// Simulates a grasp with all members. If the reference fails, the result is empty. Every member that fails adds a
+    /// notice and is omitted from the result.
     ///
     /// # Errors
     /// Fails if the grasp cannot be run.
@@ -212,7 +216,7 @@ impl Climb {
             }
             levels = model.map_or(levels, |m| m.levels.clone());
             if *role != Role::Reference {
-                // Large, and not needed before the next grasp.
+                // Released because it is large and not needed before the next grasp.
                 entry.prepared = None;
             }
         }
@@ -226,7 +230,7 @@ impl Climb {
         Ok(steps)
     }
 
-    /// Returns the ladder of the grasps so far.
+    /// Returns the results of the mesh refinement study for the grasps so far.
     pub fn ladder(&self) -> MeshLadder {
         let member = |(role, entry): &(Role, ContestEntry)| Member {
             label: entry.configuration.label.clone(),
@@ -262,7 +266,7 @@ impl ContestEntry {
         }
     }
 
-    /// Simulates up to the first frame, with nothing else of the contest loaded.
+    /// Measures the peak memory of a simulation up to the first frame, while no other configuration is loaded.
     fn measure_memory(&mut self, pose: GraspPose) -> Result<()> {
         let known = forget_peak_memory();
         let scene = &self.configuration.scene;
@@ -274,7 +278,8 @@ impl ContestEntry {
         Ok(())
     }
 
-    /// Simulates a grasp on `pool`; returns the fields of its frames the first time, and nothing if it fails.
+    /// Simulates a grasp on `pool`; returns the fields of its frames at the first repetition, otherwise or on failure
+    /// nothing.
     fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: GraspPose, points: &Points) -> Result<Vec<Fields>> {
         let frames = self.simulate(pool, index, pose, points)?;
         Ok(self.fields(&frames))
@@ -286,7 +291,7 @@ impl ContestEntry {
         probe.map_or_else(Vec::new, |probe| frames.iter().map(|f| probe.fields(f)).collect())
     }
 
-    /// Simulates a grasp on `pool`; returns its frames the first time, and nothing if it fails.
+    /// Simulates a grasp on `pool`; returns its frames at the first repetition, otherwise or on failure nothing.
     fn simulate(
         &mut self,
         pool: &rayon::ThreadPool,
@@ -322,19 +327,19 @@ impl ContestEntry {
         Ok(if first { frames } else { Vec::new() })
     }
 
-    /// Compares the frames of a grasp with those of the reference, both whole or empty.
+    /// Adds the errors of the frames of a grasp against those of the reference; either list may be empty.
     fn judge(&mut self, points: &Points, own: &[Fields], truth: &[Fields]) {
         if let Some(prepared) = &self.prepared {
             self.errors.extend(ladder::distances(points, &prepared.model.levels, own, truth));
         }
     }
 
-    /// Returns the wall time of a grasp, s: median over the turns, then over the grasps.
+    /// Returns the wall time of a grasp, s: median over the repetitions, then over the grasps.
     pub fn time_per_grasp(&self) -> f64 {
         medians(&self.wall_s)
     }
 
-    /// Returns the processor time of a grasp, s: median over the turns, then over the grasps.
+    /// Returns the processor time of a grasp, s: median over the repetitions, then over the grasps.
     pub fn processor_time_per_grasp(&self) -> Option<f64> {
         Some(medians(&self.processor_s)).filter(|t| t.is_finite())
     }
@@ -344,7 +349,7 @@ fn medians(turns: &BTreeMap<usize, Vec<f64>>) -> f64 {
     median(turns.values().filter(|t| !t.is_empty()).map(|t| median(t.iter().copied())))
 }
 
-/// Adds the time by stage of a grasp, without the time for keeping frames, which belongs to the bench.
+/// Adds the time by stage of a grasp, without the time for recording frames, which only the bench needs.
 pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
     for (stage, seconds) in outcome.timings.stages.iter().filter(|(stage, _)| **stage != "record") {
         *stages.entry(stage).or_insert(0.0) += seconds;
@@ -356,10 +361,10 @@ impl Prepared {
         let clock = Instant::now();
         let (mut model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);
         if let Some(model) = Arc::get_mut(&mut model) {
-            // Nothing here reads it.
+            // Smallest det F and gap of predictions are not used here.
             model.needs.shape = false;
         }
-        // Pads are read from the cache once for all grasps.
+        // Cached data of the pads are loaded once, as part of the set-up.
         drop(Environment::new(&model, stepper.as_ref(), pose)?);
         let setup_s = clock.elapsed().as_secs_f64();
         let probe = Probe::new(points, &model.fingers[0].topology);

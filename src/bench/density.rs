@@ -7,10 +7,10 @@ use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
 use crate::scene::vector::{Cells, Tuple};
 use crate::scene::{Element, Pads};
 
-/// Returns the same pad with cells `factor` times as wide.
+/// Returns the same pad with cells that are `factor` times as wide.
 ///
 /// # Errors
-/// Fails for a pad from a file, whose density is given, and for a spacing or number of cells that a scene could not name.
+/// Fails for a pad from a file, whose mesh is fixed, and for a spacing or number of cells that is invalid in a scene.
 pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
     if factor == 1.0 {
         return Ok(pads.clone());
@@ -33,12 +33,13 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
     })
 }
 
-/// Focus of a mesh of another kind, and the ratio by which its cells at the centre would be wider with the same number of
-/// cells.
+/// Focus of the mesh of another kind, and the factor by which it narrows the cells at the centre if their number is
+/// kept.
 const FOCUS: (f64, f64) = (2.0, 4.0 / 3.0);
 
-/// Returns the same pad with about the same cells at its centre and wider ones towards the rim, or uniform ones if it has such: a mesh of
-/// another kind, which has other grid lines and other errors. None for a pad from a file.
+/// Returns a mesh of another kind for the same pad, with other grid lines and therefore another discretisation error:
+/// about the same cells at the centre and wider ones towards the rim, or uniform cells if the given mesh is graded in
+/// this way. None for a pad from a file.
 ///
 /// # Errors
 /// Fails in the cases of [`coarser`].
@@ -48,7 +49,7 @@ pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
         Pads::GelSightMini(g) => Pads::GelSightMini(GelSightMini { focus: of(g.focus), ..*g }),
         Pads::Disc(d) => Pads::Disc(DiscPad { focus: of(d.focus), ..*d }),
         Pads::Box(b) => {
-            // A spacing is that at the centre, so only given cells must change.
+            // A spacing refers to the centre, so only a given number of cells must be changed.
             let wider = if of(b.focus).get() > 1.0 { FOCUS.1 } else { 1.0 / FOCUS.1 };
             let pads = if b.cells.is_some() { coarser(pads, wider)? } else { pads.clone() };
             match pads {
@@ -60,14 +61,14 @@ pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
     }))
 }
 
-/// Returns even numbers along x and y, so that the mesh stays mirror-symmetric.
+/// Returns coarser numbers of cells, even along x and y so that the mesh remains mirror-symmetric.
 fn cells(own: Cells, factor: f64) -> std::result::Result<Cells, String> {
     let [x, y, z] = own.counts().map(|n| n as f64 / factor);
     let even = |n: f64| Count::new(2 * (0.5 * n).round().max(1.0) as u64);
     Ok(Tuple([even(x)?, even(y)?, Count::new(z.round().max(1.0) as u64)?]))
 }
 
-/// Describes the density of a pad in words: its spacing or its cells.
+/// Describes the mesh of a pad: its spacing or numbers of cells, and its focus.
 pub fn describe(pads: &Pads) -> String {
     let spacing = |l: Length| format!("{:.2} mm", 1e3 * l.get());
     let (density, focus) = match pads {

@@ -1,7 +1,7 @@
-//! Time that rivals take for the same accuracy, along their Pareto front, between whose points an intermediate mesh would
-//! lie.
+//! Time that competing configurations (rivals) take for a given error, interpolated along their Pareto front, because
+//! intermediate meshes are possible.
 
-/// Rival with the time of a grasp, s, and its relative error.
+/// Competing configuration with its time and error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rival<'a> {
     /// Name of the rival.
@@ -12,19 +12,19 @@ pub struct Rival<'a> {
     pub error: f64,
 }
 
-/// Point of the front.
+/// Point of the Pareto front with the requested error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equal {
     /// Time of a grasp, s.
     pub time: f64,
-    /// Name of the rival there, or of the two that it lies between.
+    /// Name of the rival, or of the two between which the point is interpolated.
     pub label: String,
-    /// True if the cheapest rival is more accurate than requested: the time for the requested error is at most this.
+    /// True if even the fastest rival is more accurate than requested; `time` is then an upper bound.
     pub bound: bool,
 }
 
-/// Returns the time at which `rivals` reach `error`: linear between the points of their Pareto front, both logarithmic. None if no rival
-/// reaches it.
+/// Returns the time that `rivals` take for `error`: interpolated linearly in the logarithms of time and error along
+/// their Pareto front. None if no rival reaches it.
 pub fn time_at(rivals: &[Rival], error: f64) -> Option<Equal> {
     let mut front: Vec<Rival> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();
     front.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
@@ -70,7 +70,7 @@ mod tests {
         assert_eq!(between.label, "between coarse and medium");
         let finer = at(0.02).unwrap();
         assert!((finer.time - 16.0).abs() < 1e-12, "halfway from 4 s to 64 s: {finer:?}");
-        // One tenth of a point better than a mesh does not cost the next finer mesh.
+        // A slightly smaller error than that of a mesh does not cost the time of the next finer mesh.
         let hardly = at(0.039).unwrap();
         assert!(hardly.time < 4.3, "{hardly:?}");
     }

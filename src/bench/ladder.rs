@@ -1,11 +1,13 @@
-//! Reference of a bench, and its distance from the truth. The members are condensed pads of meshes, each finer than the one before by the
-//! square root of two, the finest of which is the reference; a mesh of another kind, as fine at the centre; and the reference once more
-//! along a path of half the tolerance.
+//! Reference of a bench, and an estimate of its error by a mesh refinement study. Its members use condensed pads: a
+//! sequence of meshes, each level (rung) finer than the previous one by the square root of two, whose finest is the
+//! reference; a mesh of another kind that is equally fine at the centre; and the reference with half the path
+//! tolerance.
 //!
-//! The truth is unknown, but two distances bracket it. The change by the last refinement contains the larger error of the mesh before and
-//! is too large; a mesh of another kind shares a part of the error, and its distance is too small. Their geometric mean is the estimate
-//! (docs/verification.md compares it with meshes twice as fine). The order that the rungs show is reported, and [`MeshLadder::findings`]
-//! state where it, the two distances or the path are inconsistent.
+//! The true error is unknown, but two distances bracket it. The change by the last refinement includes the larger error
+//! of the coarser mesh and overestimates it. A mesh of another kind shares part of the error with the reference, so its
+//! distance underestimates it. Their geometric mean is the estimate (docs/verification.md compares it with meshes twice
+//! as fine). The observed order of convergence is reported, and [`MeshLadder::findings`] states where the order, the
+//! two distances or the path error are inconsistent.
 
 use super::density::{coarser, other_kind};
 use super::report::{QUANTITIES, QuantityName};
@@ -20,31 +22,32 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Default number of rungs: the cells of the last are 2.8 times as narrow as the scene's.
+/// Default number of mesh levels: the cells of the finest are narrower than the scene's by a factor of 2.8.
 pub const RUNGS: usize = 4;
-/// Error of the condensed pads of a ladder: far below that of their meshes.
+/// Tolerance of the condensed pads of all members: far below the error of their meshes.
 const SHARP: Condensed = Condensed { error: Positive::preset(0.002) };
-/// Factor to which an estimate should be accurate.
+/// Factor within which an error estimate should be accurate.
 const GOOD: f64 = 2.0;
 
-/// Role of a member of a ladder.
+/// Role of a member of the mesh refinement study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// Mesh of the first kind, one of several from coarse to fine.
+    /// Level of the refinement sequence other than the finest.
     Rung,
-    /// Finest mesh of the first kind.
+    /// Finest level of the refinement sequence.
     Reference,
     /// Mesh of another kind.
     Other,
-    /// Reference along a path of half the tolerance.
+    /// Reference with half the path tolerance.
     HalfPath,
 }
 
-/// Returns the members of the ladder of a scene, `rungs` of them on meshes of one kind: one if its pads are from a file.
+/// Returns the members of the mesh refinement study of a scene, with `rungs` levels, or one level if its pads are from
+/// a file.
 ///
 /// # Errors
-/// Fails if a pad cannot be meshed so finely.
+/// Fails if a pad cannot be meshed.
 pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>> {
     let fem = Fem { solver: Solver::Condensed(SHARP), ..sweep.fem };
     let pads = &sweep.scene.gripper.pads;
@@ -52,7 +55,7 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     for rung in 0..if sweep.refinable() { rungs } else { 1 } {
         let finer = coarser(pads, FRAC_1_SQRT_2.powi(rung as i32))?;
         let new = sweep.configuration("condensed, sharp", finer, fem)?;
-        // Spacings are rounded to whole cells: two of them may give one mesh.
+        // Spacings are rounded to whole cells, so two of them may result in the same mesh.
         if members.last().is_none_or(|(_, last)| last.nodes < new.nodes) {
             members.push((Role::Rung, new));
         }
@@ -72,7 +75,7 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     Ok(members)
 }
 
-/// Distances of all pairs of members, as grasp after grasp comes in.
+/// Distances of all pairs of members, accumulated over grasps.
 #[derive(Debug)]
 pub struct Tally(Vec<Vec<Vec<Distance>>>);
 
@@ -82,7 +85,7 @@ impl Tally {
         Self((0..members).map(|_| vec![Vec::new(); members]).collect())
     }
 
-    /// Adds a grasp: per member its frames, at the loads `levels`.
+    /// Adds a grasp: the frames of each member, at the loads `levels`.
     pub fn add(&mut self, points: &Points, levels: &[f64], fields: &[&[Fields]]) {
         for (i, own) in fields.iter().enumerate() {
             for (j, other) in fields.iter().enumerate().skip(i + 1) {
@@ -92,15 +95,15 @@ impl Tally {
     }
 }
 
-/// Returns the distances of the loaded frames of a grasp, `own` from `truth`.
+/// Returns the distances of the frames `own` of a grasp from `truth`, from a fraction [`FROM_LOAD`] of the load on.
 pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<Distance> {
-    // Next to nothing is deformed at a small load, and relative errors say little there.
+    // Deformation is almost zero at small loads, where relative errors are not meaningful.
     let least = (FROM_LOAD - 1e-9) * levels.last().copied().unwrap_or(1.0);
     let frames = own.iter().zip(truth).zip(levels).filter(|(_, level)| **level >= least);
     frames.map(|((own, truth), _)| Distance::of(points, own, truth)).collect()
 }
 
-/// Member as it is reported.
+/// Reported properties of a member.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Member {
     /// Name of the member.
@@ -109,40 +112,42 @@ pub struct Member {
     pub role: Role,
     /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Wall time of a grasp, s; null if no grasp reached its end.
+    /// Wall time of a grasp, s; null if no grasp reached its load.
     pub time_per_grasp_s: Option<f64>,
 }
 
-/// Ladder with its results.
+/// Results of the mesh refinement study.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MeshLadder {
-    /// Members of the ladder.
+    /// Members of the study.
     pub members: Vec<Member>,
-    /// Distances per quantity: of member i from member j > i, over the norm of j, median over grasps and frames; null elsewhere.
+    /// Distances per quantity: of member i from member j > i, over the norm of j, median over grasps and frames; null
+    /// elsewhere.
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
     /// Errors of the reference, per relative quantity.
     pub errors: BTreeMap<QuantityName, ErrorEstimate>,
-    /// Findings in sentences: estimates that disagree, or missing parts.
+    /// Findings, one sentence each: inconsistent estimates, or missing members.
     pub findings: Vec<String>,
 }
 
-/// Relative error of the reference, with its sources.
+/// Estimated relative error of the reference, with its parts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
-    /// Error of the mesh and of the path together, as the square root of the sum of squares; null if neither is known.
+    /// Root sum of squares of mesh error and path error; null if neither is known.
     pub error: Option<f64>,
-    /// Order of convergence in the width of the cells that the last three rungs show; null without three, or if they do not converge.
+    /// Order of convergence in the cell width, observed on the last three mesh levels; null with fewer, or if they do
+    /// not converge.
     pub order: Option<f64>,
-    /// Distance of the last two rungs: more than the error of the last.
+    /// Distance between the last two mesh levels: an upper bound of the error of the finest.
     pub by_rungs: Option<f64>,
-    /// Distance to the mesh of another kind: less than the error, of which the two share a part.
+    /// Distance to the mesh of another kind: a lower bound of the error, because the two meshes share a part of it.
     pub by_other: Option<f64>,
-    /// Error of the path: twice the change by half the tolerance.
+    /// Path error: twice the change by halving the path tolerance.
     pub by_path: Option<f64>,
 }
 
 impl MeshLadder {
-    /// Builds the ladder from the distances of its members.
+    /// Computes the results from the distances of the members.
     pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
         let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
             let middle = |d: &Vec<Distance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
@@ -162,7 +167,7 @@ impl MeshLadder {
         ladder
     }
 
-    /// Returns the finding about the error of a quantity.
+    /// Returns a sentence if the parts of the error estimate of a quantity are inconsistent.
     fn finding(&self, name: &str) -> Option<String> {
         let e = self.errors.get(name)?;
         let percent = |v: f64| format!("{:.2} %", 100.0 * v);
@@ -201,7 +206,7 @@ impl ErrorEstimate {
         let Some(reference) = find(Role::Reference) else { return Self::default() };
         let from = |other: Option<usize>| table[reference][other?];
         let before = |k: usize| -> Option<f64> { table[reference.checked_sub(k + 1)?][reference.checked_sub(k)?] };
-        // With an error c h^p the distances of neighbours are in the ratio 2^(p/2).
+        // With an error c h^p, the ratio of successive distances is 2^(p/2).
         let ratio = before(1).zip(before(0)).map(|(coarse, fine)| coarse / fine).filter(|r| *r > 1.0 && r.is_finite());
         let mut estimate = Self {
             error: None,
@@ -214,7 +219,7 @@ impl ErrorEstimate {
         estimate
     }
 
-    /// Returns the error of the mesh: the geometric mean of the upper and the lower bound, or the one that is known.
+    /// Returns the mesh error: the geometric mean of the upper and the lower bound, or the only known bound.
     pub fn mesh(&self) -> Option<f64> {
         self.by_rungs.into_iter().chain(self.by_other).reduce(|more, less| (more * less).sqrt())
     }
@@ -224,7 +229,7 @@ impl ErrorEstimate {
 mod tests {
     use super::*;
 
-    /// Returns a ladder whose fields are numbers.
+    /// Returns the estimate for members whose fields are the given numbers.
     fn ladder(values: &[(Role, f64)]) -> ErrorEstimate {
         let member = |role| Member { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
         let members: Vec<Member> = values.iter().map(|(role, _)| member(*role)).collect();

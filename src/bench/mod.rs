@@ -1,8 +1,8 @@
-//! Speed against error: every setting of the finite elements and every network on the same grasps, in one run.
+//! Benchmarks: speed against error of all finite-element settings and networks on the same grasps, in one run.
 //!
 //! ```text
-//! Scene -> sweep.rs (configurations), ladder.rs (the reference and its error) -> contest.rs (round robin: time; error against the
-//!          density.rs (pads coarser, finer)                                     reference by crate::distance)
+//! Scene -> sweep.rs (configurations), ladder.rs (reference and its error) -> contest.rs (round robin: time; error
+//!          density.rs (coarser and finer pads)                               against the reference, crate::distance)
 //!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
 //! Scene -> ladder.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
 //! Scene -> sizes.rs (cost against size of the pad)

@@ -1,4 +1,4 @@
-//! Report of a contest: a point per configuration, the Pareto front, the speed-up at equal error.
+//! Report of a comparison: a point per configuration, the Pareto front, the speed-up at equal error.
 
 use super::contest::{ContestEntry, Rules};
 use super::front::{Rival, time_at};
@@ -9,10 +9,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Backend of finite elements.
+/// Name of the finite-element backend.
 const FEM: &str = "fem";
 
-/// Name of a quantity or a stage; owned if it was read from `bench.json`.
+/// Name of a quantity or a stage; owned if read from `bench.json`.
 pub type QuantityName = Cow<'static, str>;
 
 /// Time and error of one configuration. Times are wall times unless stated otherwise; relative errors have no unit.
@@ -22,7 +22,7 @@ pub struct Point {
     pub label: String,
     /// Backend: `fem` or `gnn`.
     pub backend: String,
-    /// True for a network or a fast mode, to which the speed-up refers.
+    /// True for a network or a fast mode, for which a speed-up is reported.
     pub contender: bool,
     /// Number of nodes of one pad.
     pub nodes: usize,
@@ -31,7 +31,7 @@ pub struct Point {
     /// Time of the set-up and the first grasp, s.
     #[serde(deserialize_with = "number")]
     pub cold_s: f64,
-    /// Time of a grasp with all its frames, warm, s: median over the turns, then over the grasps.
+    /// Time of a grasp with all its frames, without set-up, s: median over the repetitions, then over the grasps.
     #[serde(deserialize_with = "number")]
     pub time_per_grasp_s: f64,
     /// Time of a grasp over the number of frames, s.
@@ -41,7 +41,7 @@ pub struct Point {
     pub processor_time_per_grasp_s: Option<f64>,
     /// Number of Newton iterations (decoder passes) per frame.
     pub iterations_per_frame: f64,
-    /// Error of the displacement, median of `errors`; null if no grasp reached its end.
+    /// Error of the displacement, median of `errors`; null if no grasp reached its load.
     pub displacement_error: Option<f64>,
     /// Error of the von Mises stress, median.
     pub stress_error: Option<f64>,
@@ -51,29 +51,29 @@ pub struct Point {
     pub travel_error: Option<f64>,
     /// Median, 90th percentile and worst of every quantity over grasps and frames.
     pub errors: BTreeMap<QuantityName, Spread>,
-    /// Grasps that did not reach their end, with the reason.
+    /// Grasps that did not reach their load, with the reason.
     pub failed: Vec<String>,
-    /// True if another point is as fast and as accurate, or some grasp failed.
+    /// True if another point is at least as fast and as accurate and better in one of the two, or if a grasp failed.
     pub dominated: bool,
-    /// Speed-up over whole pads at equal error; only for contenders.
+    /// Speed-up over full (uncondensed) pad models and the reference at equal error; only for contenders.
     pub speedup_at_equal_error: Option<SpeedUp>,
-    /// Speed-up over the cheapest finite elements of equal error, fast modes among them; only for networks.
+    /// Speed-up over the fastest finite elements of equal error, fast modes included; only for networks.
     pub speedup_over_cheapest: Option<SpeedUp>,
-    /// Share of each stage in the time.
+    /// Fraction of the time spent in each stage.
     pub profile: BTreeMap<QuantityName, f64>,
     /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes; null if the
     /// system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Time that others take for the same accuracy, along the Pareto front of their settings, over a point's own.
+/// Time that other settings take for the same error, along their Pareto front, over a point's own time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SpeedUp {
     /// Ratio of the times.
     pub ratio: f64,
-    /// Setting at that point of the front, or the two that it lies between.
+    /// Setting at that point of the front, or the two between which it is interpolated.
     pub against: String,
-    /// True if the cheapest setting is more accurate: the speed-up is at most this.
+    /// True if even the fastest setting is more accurate; `ratio` is then an upper bound.
     pub is_bound: bool,
 }
 
@@ -87,7 +87,8 @@ impl std::fmt::Display for SpeedUp {
     }
 }
 
-/// Times of a grasp by the simulator of the tactile paper, DefGraspSim on a GPU, s: 2 to 7 minutes by notes of its users, read and not measured.
+/// Published times of a grasp with the simulator of the tactile paper, DefGraspSim on a GPU, s: 2 to 7 minutes
+/// according to its users; not measured here.
 const PUBLISHED: [f64; 2] = [120.0, 420.0];
 
 /// Reads null as NaN, because JSON has no NaN.
@@ -95,7 +96,7 @@ fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
-/// Quantity with its name and the function that reads it.
+/// Name of a quantity, and the function that reads it.
 type Quantity = (&'static str, fn(&Distance) -> f64);
 
 /// Quantities that are compared; a name without unit is relative.
@@ -108,31 +109,31 @@ pub const QUANTITIES: [Quantity; 6] = [
     ("stress_max_pa", |e| e.stress_max_pa),
 ];
 
-/// Report of a contest.
+/// Report of a comparison.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BenchReport {
     /// Numbers of the grasps.
     pub grasps: Vec<usize>,
     /// Number of threads of each grasp.
     pub threads: usize,
-    /// Number of turns of each configuration on each grasp.
+    /// Number of repetitions of each grasp by each configuration.
     pub repeats: usize,
     /// Time and error of each configuration.
     pub points: Vec<Point>,
-    /// Reference of the comparison; its errors are estimates.
+    /// Reference of the comparison; its errors are estimated.
     pub reference: Point,
-    /// Error of the reference's displacement, as the ladder estimates it; smaller errors cannot be distinguished.
+    /// Estimated error of the displacement of the reference; smaller errors cannot be resolved.
     pub reference_error: Option<f64>,
-    /// Ladder from which the error of the reference is estimated.
+    /// Mesh refinement study from which the error of the reference is estimated.
     pub ladder: MeshLadder,
     /// Largest speed-up of the contenders; null without any, or if no setting reaches their error.
     pub speedup_at_equal_error: Option<f64>,
-    /// Notices for the reader of the numbers.
+    /// Notices about the results.
     pub notices: Vec<String>,
 }
 
 impl BenchReport {
-    /// Builds the report from the entries of a contest.
+    /// Builds the report from the entries of a comparison.
     pub fn new(
         rules: &Rules,
         grasps: Vec<usize>,
@@ -172,7 +173,8 @@ impl BenchReport {
     }
 }
 
-/// Marks points that another one beats: as fast and as accurate in displacement, and better in one of the two.
+/// Marks dominated points: another point is at least as fast and as accurate in displacement, and better in one of the
+/// two.
 pub fn mark_dominated(points: &mut [Point]) {
     let all: Vec<Option<(f64, f64)>> = points.iter().map(Point::place).collect();
     for (point, own) in points.iter_mut().zip(&all) {
@@ -223,8 +225,8 @@ impl Point {
         self.displacement_error.filter(|_| self.failed.is_empty()).map(|e| (self.time_per_grasp_s, e))
     }
 
-    /// Compares with `settings`: the time that they take to have at most this point's errors of displacement and stress,
-    /// over its own time. None if no setting reaches them.
+    /// Returns the speed-up over `settings`: the time that they take for at most this point's errors of displacement
+    /// and stress, over its own time. None if no setting reaches them.
     fn compare(&self, settings: &[Point]) -> Option<SpeedUp> {
         let sound: Vec<&Point> = settings.iter().filter(|p| p.failed.is_empty()).collect();
         let at = |pick: fn(&Point) -> Option<f64>| {
@@ -241,8 +243,8 @@ impl Point {
         Some(SpeedUp { ratio, against: equal.label, is_bound: equal.bound })
     }
 
-    /// Returns the speed-ups of a contender in words, a sentence each: over whole pads, and those of a network over the cheapest finite
-    /// elements and over the published simulator.
+    /// Returns the speed-ups of a contender, one sentence each: over full pad models, and those of a network also over
+    /// the fastest finite elements and over the published simulator.
     pub fn speedups(&self) -> Vec<String> {
         let words = |speedup: &Option<SpeedUp>| {
             speedup.as_ref().map_or_else(|| "no rival here reaches its error".into(), SpeedUp::to_string)

@@ -1,4 +1,5 @@
-//! Steps of many environments per second, against their number and that of the threads, and the memory of one of them.
+//! Steps per second of batches of environments, against the numbers of environments and threads, and memory per
+//! environment.
 
 use super::clock::{forget_peak_memory, peak_memory};
 use super::snapshots::{SnapshotCost, snapshots};
@@ -15,12 +16,12 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Shortest time of a batch, s, which runs for an episode at least.
+/// Minimum run time of a batch, s; it runs for at least one episode.
 const LEAST: f64 = 2.0;
-/// Longest time of an episode, s; a batch that would need longer is left out.
+/// Maximum time of an episode, s; a batch that is expected to exceed it is skipped.
 const MOST: f64 = 60.0;
 
-/// Rate of one batch.
+/// Throughput of one batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rate {
     /// Backend of the scene, or folder of a model.
@@ -29,32 +30,32 @@ pub struct Rate {
     pub envs: usize,
     /// Number of threads.
     pub threads: usize,
-    /// Steps of single environments per second under a random policy, new grasps included.
+    /// Environment steps per second, summed over the batch, under a random policy, including resets.
     pub steps_per_s: f64,
-    /// Time of the longest step of the batch over that of the median one.
+    /// Time of the longest step of the batch over that of the median step.
     #[serde(default)]
     pub worst_over_median: f64,
     /// Largest resident memory of the process, bytes; null if the system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Scaling of rollouts.
+/// Results of all batches.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rollouts {
-    /// Rates by backend, threads and environments.
+    /// Throughput by backend, threads and environments.
     pub rates: Vec<Rate>,
     /// Memory that an environment adds to the process, bytes, by backend.
     pub memory_per_env_bytes: Vec<(String, f64)>,
     /// Costs of saved environments, by backend.
     #[serde(default)]
     pub snapshots: Vec<SnapshotCost>,
-    /// Batches that would have taken too long.
+    /// Skipped batches, which would have taken too long.
     pub left_out: Vec<String>,
-    /// Number of turns of each batch; rates are medians.
+    /// Number of repetitions of each batch; rates are medians.
     pub repeats: usize,
 }
 
-/// Plays the task of `set` on its own backend and on `models`, with all numbers of environments and threads.
+/// Runs the task of `set` on its own backend and on `models`, for all numbers of environments and threads.
 ///
 /// # Errors
 /// Fails if the scene has no task or a model does not fit it.
@@ -107,14 +108,14 @@ pub fn rollouts(
     Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, snapshots: saved, left_out, repeats })
 }
 
-/// What came of one batch.
+/// Results of one repetition of a batch.
 struct Turn {
     steps_per_s: f64,
     worst_over_median: f64,
     peak_memory_bytes: Option<u64>,
 }
 
-/// Plays one batch.
+/// Runs one batch under a random policy.
 fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<Turn> {
     let known = forget_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
@@ -138,8 +139,9 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
     })
 }
 
-/// Returns the growth of the memory from the batch with the least memory to the largest one of each backend. A small
-/// batch that follows a large one may inherit its memory.
+/// Returns the memory per environment of each backend: the slope from the batch with the least memory to the largest
+/// batch. The batch with the least memory need not be the smallest, because a small batch may reuse memory of an
+/// earlier large one.
 fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
     let mut all: Vec<(String, f64)> = Vec::new();
     for rate in rates {
@@ -199,7 +201,7 @@ pub fn text(report: &Rollouts) -> String {
 }
 
 impl Rollouts {
-    /// Returns the rates of each backend and number of threads.
+    /// Returns the rates grouped by backend and number of threads.
     fn lines(&self) -> Vec<Vec<&Rate>> {
         let mut lines: Vec<Vec<&Rate>> = Vec::new();
         for rate in &self.rates {

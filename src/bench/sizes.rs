@@ -1,4 +1,4 @@
-//! Cost against size: one grasp with pads of increasing numbers of nodes.
+//! Cost against mesh size: one grasp with pads of increasing numbers of nodes.
 
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::contest::add_stages;
@@ -14,10 +14,10 @@ use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Cost at one size of pad.
+/// Cost at one mesh size.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SizePoint {
-    /// Spacing or cells of the pads.
+    /// Spacing or numbers of cells of the pads.
     pub density: String,
     /// Number of nodes of one pad.
     pub nodes: usize,
@@ -35,28 +35,28 @@ pub struct SizePoint {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Growth of the cost with the size.
+/// Growth of the cost with the mesh size.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SizeStudy {
     /// Sizes from small to large.
     pub sizes: Vec<SizePoint>,
-    /// Power of the unknowns with which the time of an iteration grows, fitted; null with fewer than two sizes.
+    /// Fitted exponent of the time of an iteration in the number of unknowns; null with fewer than two sizes.
     pub iteration_exponent: Option<f64>,
-    /// Power of the unknowns with which the time of a frame grows, fitted.
+    /// Fitted exponent of the time of a frame in the number of unknowns.
     pub frame_exponent: Option<f64>,
-    /// Power of the unknowns with which the memory grows, fitted.
+    /// Fitted exponent of the memory in the number of unknowns.
     pub memory_exponent: Option<f64>,
     /// Number of threads.
     pub threads: usize,
-    /// Number of turns of each size; times are medians.
+    /// Number of repetitions of each size; times are medians.
     pub repeats: usize,
 }
 
-/// Runs the first grasp of `scene` with pads of about `wanted` nodes each, `repeats` times in turn.
+/// Runs the first grasp of `scene` with pads of about `wanted` nodes each, `repeats` times, interleaved over the sizes.
 ///
 /// # Errors
-/// Fails for a network scene, a pad that cannot be meshed in this way, and a size at which the grasp does not reach its
-/// end.
+/// Fails for a network scene, a pad that cannot be meshed at another size, and a size at which the grasp does not reach
+/// its load.
 pub fn cost_by_size(
     scene: &Scene,
     wanted: &[usize],
@@ -127,7 +127,7 @@ pub fn cost_by_size(
     })
 }
 
-/// Returns the median times of the turns of one size, and the largest memory.
+/// Returns the median times over the repetitions of one size, and the largest memory.
 fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
     let of = |pick: fn(&SizePoint) -> f64| median(turns.iter().map(pick));
     Some(SizePoint {
@@ -140,7 +140,7 @@ fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
     })
 }
 
-/// Returns the density of `pads` whose number of nodes is nearest to `wanted`, in ratio.
+/// Returns `pads` with the cells for which the number of nodes is closest to `wanted`, as a ratio.
 fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
     let count = |factor: f64| coarser(pads, factor).and_then(|p| nodes(&p, element));
     let step = 1.3;
@@ -148,7 +148,7 @@ fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
     while count(fine)? < wanted {
         fine /= step;
     }
-    // The coarsest pad has a least number of cells, so more nodes than wanted may be the fewest there are.
+    // The number of cells has a minimum, so the coarsest pad may have more nodes than wanted.
     while count(coarse)? > wanted && coarse < 1e3 {
         coarse *= step;
     }
@@ -165,7 +165,7 @@ fn of_size(pads: &Pads, element: Element, wanted: usize) -> Result<Pads> {
     coarser(pads, best.1)
 }
 
-/// Fits the slope of the logarithms, by least squares.
+/// Fits the exponent of a power law by least squares of the logarithms.
 fn exponent(points: Vec<(f64, f64)>) -> Option<f64> {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();

@@ -1,4 +1,4 @@
-//! Time and size of saved environments, early and late in an episode.
+//! Time and size of saved environment states, early and late in an episode.
 
 use crate::env::{BatchConfig, BatchEnv};
 use crate::error::{Error, Result};
@@ -8,10 +8,10 @@ use crate::stats::median;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// Number of times that each step is saved and restored; times are medians.
+/// Number of times that a state is saved and restored; times are medians.
 const TURNS: usize = 5;
 
-/// Cost of a saved environment.
+/// Cost of saving and restoring an environment.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SnapshotCost {
     /// Backend of the scene, or folder of a model.
@@ -26,10 +26,10 @@ pub struct SnapshotCost {
     pub restore_s: f64,
 }
 
-/// Measures what it costs to save and restore an environment of `set` after its first step and after its last but one.
+/// Measures the cost of saving and restoring an environment of `set` after its first step and after its last but one.
 ///
 /// # Errors
-/// Fails if an environment cannot be made, stepped or restored.
+/// Fails if an environment cannot be created, stepped or restored.
 pub fn snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<SnapshotCost>> {
     let mut env = BatchEnv::new(set, BatchConfig { num_envs: 1, threads: Some(1), ..BatchConfig::default() })?;
     let failed = |e: crate::env::StepError| Error::Solver(e.to_string());

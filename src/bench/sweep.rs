@@ -1,4 +1,4 @@
-//! Configurations of a comparison: the settings of the finite elements around those of the scene, and networks.
+//! Configurations of a comparison: finite-element settings around those of the scene, and networks.
 
 use super::density::{coarser, describe, nodes};
 use crate::error::{Error, Result};
@@ -19,22 +19,21 @@ pub struct Configuration {
     pub scene: Scene,
     /// Number of nodes of one pad.
     pub nodes: usize,
-    /// True if it claims to be faster than full finite elements at its error: a network, or a fast mode. The speed-up
-    /// refers to these.
+    /// True for a network or a fast mode, whose speed-up over full finite elements at equal error is reported.
     pub contender: bool,
 }
 
-/// Setting of the finite elements, and the cells with which it is tried, over those of the scene.
+/// Setting of the finite elements, and the cell widths at which it is evaluated, relative to those of the scene.
 struct Setting {
     name: &'static str,
-    /// Change of 10-node tetrahedra with mean dilatation and all nodes as unknowns.
+    /// Change from the default: 10-node tetrahedra with mean dilatation and the full pad model.
     change: fn(&mut Fem),
     cells: &'static [f64],
-    /// True for a fast mode, whose speed-up is reported like that of a network.
+    /// True for a fast mode, whose speed-up is reported as for a network.
     fast: bool,
 }
 
-/// All settings; a new one is one more line.
+/// All settings.
 const SETTINGS: [Setting; 4] = [
     Setting { name: "quadratic", change: |_| (), cells: &[2.0, SQRT_2, 1.0, FRAC_1_SQRT_2], fast: false },
     Setting {
@@ -54,16 +53,16 @@ const SETTINGS: [Setting; 4] = [
 
 /// Sets ten times the force tolerance.
 fn loosen(fem: &mut Fem) {
-    // Ten times a positive number is one, short of overflow.
+    // The result is positive; only an overflow is invalid.
     if let Ok(force) = Positive::new(10.0 * fem.tolerance.force.get()) {
         fem.tolerance.force = force;
     }
 }
 
-/// Builder of the configurations of a scene.
+/// Generator of the configurations of a scene.
 #[derive(Debug)]
 pub struct Sweep {
-    /// Scene that records the compared fields and promises nothing.
+    /// Scene that records the compared fields and has no expectations.
     pub scene: Scene,
     /// Settings from which all configurations start.
     pub fem: Fem,
@@ -71,11 +70,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Builds a sweep around the settings of `scene`. Compared fields are recorded; the promises of the scene are not
-    /// judged, because that takes time of its own.
+    /// Creates a sweep around the settings of `scene`. The compared fields are recorded; the expectations of the scene
+    /// are removed, because evaluating them takes time.
     ///
     /// # Errors
-    /// Fails if the scene has no pads or moves in time.
+    /// Fails if the scene has no pads, pads that differ, or dynamic loading.
     pub fn new(scene: &Scene) -> Result<Self> {
         if scene.gripper.fingers == Fingers::None {
             return Err(Error::Start("a bench compares pads, and the scene has none (`fingers: None`)".into()));
@@ -100,7 +99,7 @@ impl Sweep {
         Ok(Self { scene, fem, made: Vec::new() })
     }
 
-    /// Returns all configurations. Those with equal meshes occur once.
+    /// Returns all configurations. Settings that result in equal meshes occur once.
     ///
     /// # Errors
     /// Fails if a pad cannot be meshed.
@@ -117,8 +116,8 @@ impl Sweep {
         Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
     }
 
-    /// Returns a network on those pads of the sweep for which it was trained; if there are none, on the scene's own pads, for which it
-    /// reports what is wrong.
+    /// Returns the configuration of a network on the pads of the sweep for which it was trained. If there are none, it
+    /// uses the scene's pads, on which running the network reports the reason.
     fn network(&self, folder: &Path) -> Result<Configuration> {
         let trained = Trained::read(folder)?.card.range.pad;
         let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn::new(folder)), ..self.scene.clone() };
@@ -132,29 +131,29 @@ impl Sweep {
         }
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
         let label = format!("network {name} {}", describe(&scene.gripper.pads));
-        // Scenes of networks have the elements that scenes have by default.
+        // Network scenes have the default element.
         let nodes = nodes(&scene.gripper.pads, Element::default())?;
         Ok(Configuration { label, scene, nodes, contender: true })
     }
 
-    /// Returns the cells with which a setting is tried; a pad from a file has only its own.
+    /// Returns the relative cell widths at which a setting is evaluated; a pad from a file has only its own mesh.
     fn cells(&self, setting: &Setting) -> &'static [f64] {
         if self.refinable() { setting.cells } else { &[1.0] }
     }
 
-    /// Returns true if there are finer and coarser pads like those of the scene.
+    /// Returns true if the pads of the scene can be meshed with finer and coarser cells.
     pub fn refinable(&self) -> bool {
         !matches!(self.scene.gripper.pads, Pads::File(_))
     }
 
     fn add(&mut self, new: Configuration, fem: Fem) {
-        // Spacings are rounded to whole cells: two of them may give one mesh.
+        // Spacings are rounded to whole cells, so two of them may result in the same mesh.
         if !self.made.iter().any(|(c, f)| *f == fem && c.nodes == new.nodes) {
             self.made.push((new, fem));
         }
     }
 
-    /// Returns the scene with other pads and settings.
+    /// Returns the scene with other pads and settings as a configuration.
     ///
     /// # Errors
     /// Fails if a pad cannot be meshed.

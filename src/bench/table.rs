@@ -1,10 +1,10 @@
-//! Text and CSV of a contest.
+//! Text and CSV reports of a comparison.
 
 use super::ladder::MeshLadder;
 use super::report::{BenchReport, Point, QUANTITIES};
 use std::fmt::Write;
 
-/// Returns table, profiles and headline as text.
+/// Returns the table, the profiles and the speed-ups as text.
 pub fn text(report: &BenchReport) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
@@ -57,7 +57,7 @@ pub fn text(report: &BenchReport) -> String {
     out
 }
 
-/// Describes the members of a ladder, their distances from each other, and the conclusion about the reference.
+/// Describes the members of a mesh refinement study, their mutual distances, and the error estimate of the reference.
 pub fn ladder(ladder: &MeshLadder) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
@@ -117,7 +117,7 @@ fn headline(out: &mut String, report: &BenchReport) {
     }
 }
 
-/// Returns a row per configuration, the reference last; SI, units in the names.
+/// Returns CSV with a row per configuration, the reference last; SI, units in the names.
 pub fn csv(report: &BenchReport) -> String {
     let mut columns: Vec<String> =
         ["label", "backend", "nodes", "unknowns", "cold_s", "time_per_grasp_s", "time_per_frame_s"]

@@ -1,4 +1,4 @@
-//! Values of a frame that do not depend on its mesh, as a table of references lists them.
+//! Scalar values of a frame that are independent of its mesh, for the table of references.
 
 use super::report::QuantityName;
 use crate::distance::{Points, Probe};
@@ -8,10 +8,10 @@ use crate::record::{Frame, PadFrame};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Values by name; the unit ends the name.
+/// Values by name; the name ends with the unit.
 pub type FrameValues = BTreeMap<QuantityName, f64>;
 
-/// Returns the values of a frame over all pads; those of fields that are not recorded are left out.
+/// Returns the values of a frame over all pads; those of fields that are not recorded are omitted.
 pub fn values(model: &Model, frame: &Frame) -> FrameValues {
     let mut values = FrameValues::new();
     let mut put = |name: &'static str, value: f64| {
@@ -42,8 +42,9 @@ pub fn values(model: &Model, frame: &Frame) -> FrameValues {
     values
 }
 
-/// Returns the root mean square distance of the pressing force of a pad from its centre, m; None if forces are not recorded. Under a ball
-/// that presses according to Hertz it is 0.63 of the radius of the patch; unlike that radius it is an integral, on which meshes agree.
+/// Returns the root-mean-square distance of the normal contact force of a pad from its centre, m; None if forces are
+/// not recorded or zero. For Hertz contact with a sphere it is 0.63 of the patch radius; unlike that radius it is an
+/// integral, and therefore hardly depends on the mesh.
 fn patch_radius(finger: &FingerModel, pad: &PadFrame) -> Option<f64> {
     let closing = finger.placement.closing;
     let pressing: Vec<(f64, DVec3)> =

@@ -1,5 +1,5 @@
-//! Command `tactus bench`: speed against error of all settings and networks, or cost against size, or steps of a task per
-//! second.
+//! Command `tactus bench`: error against time of all settings and networks, cost against mesh size, or environment
+//! steps per second.
 
 use super::console::Console;
 use super::{Format, OK};
@@ -20,54 +20,55 @@ use std::time::Duration;
 pub struct BenchArgs {
     /// Scene file; `-` is standard input.
     pub scene: PathBuf,
-    /// Object to take from a scene with several.
+    /// Object to measure if the scene has several.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
     /// Number of grasps, evenly spread over those of the scene.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub grasps: u64,
-    /// Number of recorded frames of each grasp, instead of the scene's.
+    /// Number of recorded frames of each grasp; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Number of threads of each grasp; the default is all that the machine has. Grasps run one at a time.
+    /// Number of threads of each grasp; the default is all threads of the machine. Grasps run one at a time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Folder of a trained model to compare; may be given several times.
+    /// Folder of a trained model to include; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub model: Vec<PathBuf>,
-    /// Number of simulations of each grasp by each configuration, in turn; times are medians.
+    /// Number of repetitions of each grasp by each configuration; times are medians.
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub repeat: u64,
-    /// Number of meshes of one kind from which the error of the reference is estimated, each finer than the one before by the square root
-    /// of two, the first as fine as the scene's.
+    /// Number of meshes in the refinement sequence from which the error of the reference is estimated. The first has
+    /// the cell size of the scene, and each further one is finer by the square root of two.
     #[arg(long, value_name = "N", default_value_t = ladder::RUNGS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
     pub rungs: u64,
-    /// Instead, compute values of the first grasp of each object with their errors, into `references.json` and `references.md`; rows of
-    /// other objects there stay.
+    /// Instead, compute reference values of the first grasp of each object with error estimates, into `references.json`
+    /// and `references.md`; rows of other objects in these files are kept.
     #[arg(long, conflicts_with_all = ["model", "grasps", "sizes", "envs"])]
     pub certify: bool,
-    /// Instead, measure the cost of the first grasp with pads of about this many nodes each, separated by commas.
+    /// Instead, measure the cost of the first grasp against the mesh size, with pads of about N nodes each; several N
+    /// are separated by commas.
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["model", "grasps"],
           value_parser = clap::value_parser!(u64).range(8..=1_000_000))]
     pub sizes: Vec<u64>,
-    /// Instead, measure the steps of a task per second with this many environments each, separated by commas, on 1, 2, 4
-    /// ... threads, on the scene's backend and each model.
+    /// Instead, measure the steps per second of the scene's task with N parallel environments (several N are separated
+    /// by commas) on 1, 2, 4 ... threads, with the backend of the scene and with each model.
     #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with_all = ["sizes", "grasps", "frames", "object"],
           value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub envs: Vec<u64>,
-    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`; `envs.json`, `envs.png` and
-    /// `envs.svg` with `--envs`); existing files are replaced.
+    /// Folder for `bench.json`, `bench.csv`, `bench.png` and `bench.svg` (`sizes.json` with `--sizes`; `envs.json`,
+    /// `envs.png` and `envs.svg` with `--envs`); existing files are replaced.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Runs the requested measurement, prints and writes its report.
+/// Runs the requested measurement, and prints and writes its report.
 ///
 /// # Errors
-/// Fails if an argument is refused, the measurement fails or a file cannot be written.
+/// Fails if an argument is invalid, the measurement fails or a file cannot be written.
 pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
     let bar = console.show(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -84,7 +85,8 @@ pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
     Ok(OK)
 }
 
-/// Computes certified references: the rows as text and as JSON; files are written after each row.
+/// Computes references with error estimates. Returns the rows as text and as JSON; the files are written after each
+/// row.
 fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let rules = rules(args);
@@ -120,7 +122,7 @@ fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
     args.frames.map_or(Ok(()), |frames| scene.loading.set_frames(frames).map_err(Error::Argument))
 }
 
-/// Measures the steps of a task per second: returns the report as text and as JSON; files are written.
+/// Measures the steps of a task per second. Returns the report as text and as JSON, and writes the files.
 fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.scenes;
     let envs: Vec<usize> = args.envs.iter().map(|n| *n as usize).collect();
@@ -136,7 +138,8 @@ fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)
     Ok((rollout::text(&report), json))
 }
 
-/// Measures speed against error, or cost against size: returns the report as text and as JSON; files are written.
+/// Measures speed against error, or cost against mesh size. Returns the report as text and as JSON, and writes the
+/// files.
 fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let mut scene = loaded.scene.clone();

@@ -1,4 +1,5 @@
-//! Command `tactus check`: checks a scene, shows it with defaults and includes, and shows what would run.
+//! Command `tactus check`: checks a scene, and prints it with includes and defaults written out and the properties of a
+//! run.
 
 use super::console::Console;
 use super::findings::{Found, TRIED};
@@ -28,23 +29,25 @@ use std::path::{Path, PathBuf};
 pub struct CheckArgs {
     /// Scene file; `-` is standard input.
     pub scene: PathBuf,
-    /// Object to take from a scene with several; without it all are checked, one after the other.
+    /// Object to check if the scene has several; the default is all of them, one after the other.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Write the object's surface (`.obj`, `.stl`, metres) or the grasps (`.h5`, as DefGraspSim's) to this file.
+    /// Write the surface of the object (`.obj` or `.stl`, metres) or the grasps (`.h5`, in the format of DefGraspSim)
+    /// to this file.
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
-    /// Form of the output.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Loads the scene, builds everything that a run would build, closes every grasp to first contact, and prints the findings. The text form
-/// is the complete scene, with the findings as comments: it loads as the same scene. What is wrong stands last. Several objects are printed
-/// one after the other; their JSON is one object with the list `objects`.
+/// Loads the scene, builds everything that a run would build, closes every grasp to first contact, and prints the
+/// findings. The text output is the complete scene with the findings as comments, and loads as the same scene; problems
+/// are at the end. Several objects are printed one after the other; in JSON they are the list `objects` of one JSON
+/// object.
 ///
 /// # Errors
-/// Fails if the scene or an argument is refused, or a file cannot be written.
+/// Fails if the scene or an argument is invalid, or a file cannot be written.
 pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     let set = load_set(&args.scene)?.only(args.object.as_deref())?;
     let several = set.scenes.len() > 1;
@@ -53,7 +56,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     }
     let (mut runs, mut objects, mut errors, mut problems) = (true, Vec::new(), Vec::new(), String::new());
     let examined = &set.scenes[..set.scenes.len().min(EXAMINED)];
-    // As many at once as there are threads: each has pads of its own in memory.
+    // Chunks of one object per thread limit the memory, because each object has its own pads.
     for chunk in examined.chunks(machine_threads()) {
         let found = chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.place(e, &named.name))));
         for (NamedScene { name, scene, .. }, found) in found.collect::<Vec<_>>() {
@@ -61,7 +64,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
             let mut json = match &found {
                 Ok(found) if args.format == Format::Json => found.json(scene, &set.sources),
                 Ok(_) => Value::Null,
-                // A reader of JSON wants the reason on stdout, too.
+                // In JSON, the reason is also on stdout.
                 Err(error) => json!({"scene": scene, "sources": set.sources, "problems": [error.to_string()]}),
             };
             if args.format == Format::Json && several {
@@ -99,7 +102,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     Ok(if runs { OK } else { REFUSED })
 }
 
-/// Writes the export that the file's name asks for.
+/// Writes the export in the format that the extension of the file name selects.
 fn export(path: &Path, found: &Found) -> Result<()> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("obj") => write_obj(path, &found.model.object.surface),
@@ -109,13 +112,14 @@ fn export(path: &Path, found: &Found) -> Result<()> {
     }
 }
 
-/// Largest number of objects of a scene that are examined: a check answers within seconds.
+/// Largest number of objects of a scene that are examined, so that a check takes seconds.
 const EXAMINED: usize = 50;
 
-/// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no network computes.
+/// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no
+/// network is evaluated.
 fn examine(scene: &Scene) -> Result<Found> {
     let stepper = choose(scene)?;
-    // First, as it refuses what is too large.
+    // The model is built before the grasps because it rejects scenes that are too large.
     let model = Model::build(scene)?;
     let grasps = grasps_of(scene)?;
     let poses = grasps.poses;
@@ -123,7 +127,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
     let tried = &poses[..poses.len().min(TRIED)];
-    // One environment for all grasps of a thread.
+    // Each thread reuses one environment for all its grasps.
     let close = |poses: &[GraspPose]| {
         let mut kept = None;
         poses.iter().map(|pose| GeometricContact::find_in(&mut kept, &model, *pose)).collect::<Vec<_>>()
@@ -151,7 +155,8 @@ fn examine(scene: &Scene) -> Result<Found> {
     found.notices.extend(stepper.notices(&model));
     let pad = model.pad_bounds();
     found.notices.extend(pad.and_then(|pad| aim_notice(scene, &model.object, pad, &found.poses)));
-    // Sampled ones are clear of the hand. Only pads are simulated, so that it is to be known and no problem.
+    // Sampled grasps are free of collisions with the hand by construction. For others a collision is a notice and not a
+    // problem, because only the pads are simulated.
     let hand = pad.filter(|_| !matches!(scene.grasps, Grasps::Antipodal(_))).map(|pad| Hand::new(pad, &scene.gripper));
     let distance = model.object.distance.as_ref();
     let met = |(grasp, pose): (usize, &GraspPose)| match hand.as_ref()?.obstacle(distance, pose, 0.0, 0.0)? {
@@ -167,8 +172,8 @@ fn examine(scene: &Scene) -> Result<Found> {
     Ok(found)
 }
 
-/// Replaces the `unknowns` of pads that are condensed by those of a grasp at first contact, which alone has them. Returns how many they were;
-/// None if pads are whole.
+/// Replaces the numbers of `unknowns` of condensed pads by those at first contact of a grasp, on which they depend.
+/// Returns the number of unknowns of the full pads; None if the pads are not condensed.
 fn condensed(scene: &Scene, model: &Model, contact: &GeometricContact, unknowns: &mut Unknowns) -> Option<usize> {
     let scene::StepperChoice::Fem(scene::Fem { solver: scene::Solver::Condensed(_), .. }) = scene.stepper else {
         return None;

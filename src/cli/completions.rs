@@ -1,4 +1,4 @@
-//! Commands `tactus completions` and `tactus man`: what a package puts beside the program.
+//! Commands `tactus completions` and `tactus man`: files that a package installs with the program.
 
 use super::console::Console;
 use super::{Cli, OK};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Arguments of `tactus completions`.
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArgs {
-    /// Shell that completes.
+    /// Shell that uses the script.
     #[arg(value_enum)]
     pub shell: Shell,
 }
@@ -19,12 +19,12 @@ pub struct CompletionsArgs {
 /// Arguments of `tactus man`.
 #[derive(Debug, clap::Args)]
 pub struct ManArgs {
-    /// Folder for the pages, `tactus.1` and one for each command.
+    /// Folder for the manual pages: `tactus.1` and one for each command.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 }
 
-/// Prints the completions of a shell.
+/// Prints the completion script of a shell.
 ///
 /// # Errors
 /// Fails if stdout cannot be written.
@@ -35,7 +35,7 @@ pub fn completions(args: &CompletionsArgs, console: &dyn Console) -> Result<u8> 
     Ok(OK)
 }
 
-/// Writes the pages of the manual.
+/// Writes the manual pages.
 ///
 /// # Errors
 /// Fails if a file cannot be written.

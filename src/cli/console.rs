@@ -1,23 +1,23 @@
-//! Console of a command: where its report, what it says beside it, and its progress go.
+//! Console of a command: the destination of its report, messages and progress.
 
 use crate::error::{Error, Result};
 use indicatif::ProgressBar;
 use std::io::Write;
 
-/// Receives what a command has to say. The terminal is one; Python is another.
+/// Output of a command; implemented by the terminal and by the Python package.
 pub trait Console: Sync {
     /// Prints a part of the report.
     ///
     /// # Errors
     /// Fails if the report cannot be written.
     fn print(&self, text: &str) -> Result<()>;
-    /// Says a line beside the report.
+    /// Prints a message in addition to the report.
     fn say(&self, line: &str);
-    /// Says what a reader should know before a result is trusted.
+    /// Prints a warning that affects whether a result can be trusted.
     fn warn(&self, line: &str) {
         self.say(line);
     }
-    /// Returns true if a reader wants to follow what the solver does.
+    /// Returns true if details of the solver's work are requested.
     fn follows(&self) -> bool {
         false
     }
@@ -25,37 +25,39 @@ pub trait Console: Sync {
     fn show(&self, bar: ProgressBar) -> ProgressBar {
         bar
     }
-    /// Returns true if the process ends with the command: the system takes its memory back faster than it is given back piece by piece.
+    /// Returns true if the process ends with the command. Memory is then not freed, because the operating system
+    /// reclaims it faster.
     fn ends(&self) -> bool {
         false
     }
 }
 
-/// How much is said beside the report.
+/// Amount of output in addition to the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Verbosity {
-    /// Errors alone.
+    /// Errors only.
     Quiet,
     /// Notes and progress.
     #[default]
     Usual,
-    /// Notes, progress, and what the solver does.
+    /// Notes, progress, and details of the solver's work.
     Verbose,
 }
 
-/// Terminal: the report goes to stdout, all else to stderr.
+/// Terminal: the report goes to stdout, everything else to stderr.
 #[derive(Debug, Default)]
 pub struct Terminal(pub Verbosity);
 
 impl Terminal {
-    /// Prints an error on stderr, however little is to be said. A line that cannot be written (`2>/dev/full`, a closed pipe) does not affect the work.
+    /// Prints an error on stderr at any verbosity. A line that cannot be written (`2>/dev/full`, a closed pipe) is
+    /// ignored.
     pub fn fail(line: &str) {
         let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
     }
 }
 
 impl Console for Terminal {
-    /// Prints on stdout; a closed pipe (`tactus check x.ron | head`) is the reader's choice, not an error.
+    /// Prints on stdout; a closed pipe (`tactus check x.ron | head`) is not an error.
     fn print(&self, text: &str) -> Result<()> {
         match std::io::stdout().write_all(text.as_bytes()) {
             Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file("<stdout>", e.to_string())),

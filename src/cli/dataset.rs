@@ -1,4 +1,5 @@
-//! Command `tactus dataset`: all grasps of all objects of a scene, into a folder; and `tactus dataset inspect`.
+//! Command `tactus dataset`: simulates all grasps of all objects of a scene into a folder; and `tactus dataset
+//! inspect`.
 
 use super::console::Console;
 use super::dataset_table::{made, moved};
@@ -25,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Largest number of objects whose notices are printed; all stand in the manifest.
+/// Largest number of objects whose notices are printed; the manifest lists all.
 const NOTED: usize = 50;
 
 /// Arguments of `tactus dataset`.
@@ -35,16 +36,16 @@ pub struct DatasetArgs {
     /// Command to run instead of making a data set.
     #[command(subcommand)]
     pub command: Option<DatasetCommand>,
-    /// Scene file, which may name several objects; `-` is standard input.
+    /// Scene file, which may list several objects; `-` is standard input.
     #[arg(required = true)]
     pub scene: Option<PathBuf>,
-    /// Folder of the data set; an unfinished one is continued.
+    /// Folder of the data set; an unfinished data set is resumed.
     #[arg(short, long, value_name = "DIR", required = true)]
     pub out: Option<PathBuf>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Number of threads; the default is all that the machine has. The files do not depend on it.
+    /// Number of threads; the default is all threads of the machine. The files do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
     /// Simulate only this object; may be given several times.
@@ -53,48 +54,50 @@ pub struct DatasetArgs {
     /// Simulate only the first N grasps of each object.
     #[arg(long, value_name = "N")]
     pub grasps: Option<u64>,
-    /// Number of recorded frames of each grasp, instead of the scene's.
+    /// Number of recorded frames of each grasp; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Seed of the objects of a universe, instead of the scene's: another seed gives other objects.
+    /// Seed of the random objects of a universe; overrides the scene.
     #[arg(long, value_name = "SEED")]
     pub seed: Option<u64>,
-    /// Simulate only the grasps that this trained model is least sure of: a quarter of all, or as many as `--keep` says.
+    /// Simulate only the grasps with the largest predicted errors of this trained model: a quarter of all, or the
+    /// number given by `--keep`.
     #[arg(long, value_name = "MODEL")]
     pub worst_of: Option<PathBuf>,
-    /// Number of grasps to keep.
+    /// Number of grasps to simulate with `--worst-of`.
     #[arg(long, value_name = "N", requires = "worst_of", value_parser = clap::value_parser!(u64).range(1..))]
     pub keep: Option<u64>,
-    /// Wall time that a grasp may take, s; a longer one ends as a fault. The files then depend on the machine.
+    /// Time limit of a grasp in wall-clock seconds; a grasp that exceeds it ends with the status `fault`. The files
+    /// then depend on the speed of the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
-    /// Simulate only part I of N, from 1 to N: parts may run beside each other, on several machines that share the
-    /// folder. The same command without it then closes the data set.
+    /// Simulate only part I of N, from 1 to N. Parts may run at the same time, on several machines that share the
+    /// folder; the same command without this option then completes the data set.
     #[arg(long, value_name = "I/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
-    /// Also measure how well posed the first N grasps of each object are (like `run --sensitivity`), in `sensitivity.csv`: for these
-    /// grasps five times the work in addition.
+    /// Also measure the sensitivity of the first N grasps of each object (like `run --sensitivity`) into
+    /// `sensitivity.csv`; this adds five times the work for these grasps.
     #[arg(long, value_name = "N", conflicts_with = "part", value_parser = clap::value_parser!(u64).range(1..))]
     pub sensitivity: Option<u64>,
-    /// Say what would be made and how large it is, and stop.
+    /// Print the content and the size of the data set, and stop.
     #[arg(long, conflicts_with = "watch")]
     pub dry_run: bool,
-    /// Page in the browser.
+    /// Options of the page in the browser.
     #[command(flatten)]
     pub watch: WatchArgs,
 }
 
-/// Other commands on data sets.
+/// Subcommands for data sets.
 #[derive(Debug, clap::Subcommand)]
 pub enum DatasetCommand {
-    /// Print counts, ranges and histograms of a data set, check it, draw pictures.
+    /// Check a data set, print its counts, ranges and histograms, and draw pictures.
     Inspect(inspect::InspectArgs),
 }
 
-/// Makes a data set.
+/// Creates a data set.
 ///
 /// # Errors
-/// Fails if the scene or an argument is refused, the folder is in use, or a file cannot be written.
+/// Fails if the scene or an argument is invalid, the folder is in use, or a file cannot be written.
 pub fn dataset(args: &DatasetArgs, console: &dyn Console) -> Result<u8> {
     if let Some(DatasetCommand::Inspect(args)) = &args.command {
         return inspect::inspect(args, console);
@@ -220,7 +223,7 @@ pub(super) fn limit(scenes: &mut [NamedScene], grasps: Option<u64>, frames: Opti
     Ok(())
 }
 
-/// Keeps the objects with these names; all if none is given.
+/// Keeps the objects with the `wanted` names, or all if none is given.
 fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
     let names: Vec<_> = scenes.iter().map(|s| s.name.as_str().to_string()).collect();
     if let Some(unknown) = wanted.iter().find(|w| !names.contains(w)) {
@@ -243,7 +246,7 @@ struct Bar<'a> {
 impl<'a> Bar<'a> {
     fn new(console: &'a dyn Console, grasps: usize, resumed: usize, frames: usize) -> Self {
         let bar = console.show(ProgressBar::new(((grasps - resumed) * frames) as u64));
-        // The template is a constant; if it were wrong the default style would do.
+        // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
             bar.set_style(style);
         }

@@ -1,4 +1,4 @@
-//! Text of what `tactus dataset` made.
+//! Text report of `tactus dataset`.
 
 use crate::dataset::Manifest;
 use crate::dataset::sensitivity::SensitivityRow;
@@ -7,7 +7,7 @@ use crate::run::sensitivity::CHANGES;
 use crate::stats::median;
 use std::fmt::Write;
 
-/// Describes a data set: a row for each object, failures, promises, the time of a grasp.
+/// Describes a data set: a row for each object, failures, expectations, the time per grasp.
 pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
     // Writing to a String cannot fail.
@@ -43,7 +43,7 @@ pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     out
 }
 
-/// Describes the effect of each change on the grasps that are reached with and without it.
+/// Describes the effect of each change on those grasps that reach their load with and without it.
 pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
     let mut out = String::new();
     for change in CHANGES {

@@ -27,38 +27,38 @@ pub struct EvalArgs {
     /// Folder of a trained model.
     #[arg(long, value_name = "DIR")]
     pub model: PathBuf,
-    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model was
-    /// trained.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model
+    /// was trained.
     #[arg(long)]
     pub split: Option<String>,
-    /// Judge pads outside the range of the training, too, where the error is unknown.
+    /// Also evaluate grasps outside the range of the training data, where the error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
-    /// Folder for pictures of the worst grasps, truth above prediction.
+    /// Folder for pictures of the worst grasps, each with the truth above the prediction.
     #[arg(short, long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
-    /// Number of these grasps.
+    /// Number of worst grasps that are drawn and listed in the JSON report.
     #[arg(long, default_value_t = 5)]
     pub worst: usize,
-    /// Write the inputs and outputs of the network for the first test grasp, as `.npz`, so that another implementation
-    /// can check itself: see tests/network/torch_check.py.
+    /// Write the inputs and outputs of the network for the first test grasp as `.npz`, to verify another
+    /// implementation: see tests/network/torch_check.py.
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
-    /// Print the errors of each object, fifth of the load and frame, too.
+    /// Also print the errors by object, by fifth of the load and by frame.
     #[arg(long)]
     pub groups: bool,
-    /// Number of threads; the default is all that the machine has. No bit of the errors depends on it.
+    /// Number of threads; the default is all threads of the machine. The errors are bitwise independent of it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Judges a trained model on the test grasps of a split.
+/// Evaluates a trained model on the test grasps of a split.
 ///
 /// # Errors
-/// Fails if the data set or the model cannot be read, the split is refused, or a file cannot be written.
+/// Fails if the data set or the model cannot be read, the split is invalid, or a file cannot be written.
 pub fn eval(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args, console))
 }

@@ -1,4 +1,4 @@
-//! Findings about a scene, as text that leads with what a reader asks first, and as JSON.
+//! Findings about a scene: as text, with the most important facts first, and as JSON.
 
 use crate::geometry::Aabb;
 use crate::geometry::mesh::topology::watertight;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Largest number of grasps that are closed to first contact: a check answers within seconds, and the first grasps of a
+/// Largest number of grasps that are closed to first contact: a check then takes seconds, and the first grasps of a
 /// data set are sufficient.
 pub(super) const TRIED: usize = 1000;
 
@@ -35,7 +35,7 @@ pub(super) struct Found {
     pub problems: Vec<String>,
     /// Expected time of all grasps.
     pub expected: ExpectedTime,
-    /// Number of grasps that can start, of those that were closed to first contact.
+    /// Number of those grasps closed to first contact that can start.
     pub started: usize,
 }
 
@@ -97,27 +97,27 @@ impl Found {
         })
     }
 
-    /// Returns the bounds of the object in the hand of the first grasp, m.
+    /// Returns the bounds of the object in the hand frame of the first grasp, m.
     fn held(&self) -> Option<Aabb> {
         let pose = self.poses.first().map(GraspPose::object_in_hand)?;
         Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
 
-    /// Returns what a reader asks first as comment lines: sizes, places, time, loads, and what is odd about them.
+    /// Returns the main facts as comment lines: sizes, positions, expected time, loads and notices.
     pub fn overview(&self) -> String {
         let mut lines = Vec::new();
         self.first(&mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
-    /// Returns the rest as comment lines: the mesh, and the unknowns; where wanted, all `systems` and components, too.
+    /// Returns the details as comment lines: the meshes and the unknowns, and all systems and components if `systems`.
     pub fn details(&self, systems: bool) -> String {
         let mut lines = vec![String::new()];
         self.rest(systems, &mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
-    /// Returns the problems as comment lines, those of the `object` of this name if there are several objects.
+    /// Returns the problems as comment lines, with the name of the `object` if it is given.
     pub fn complaints(&self, object: Option<&str>) -> String {
         let about = object.map_or_else(String::new, |name| format!("object {name}: "));
         let shown = self.problems.iter().take(PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
@@ -131,7 +131,7 @@ impl Found {
         let own = Aabb::of(m.object.surface.vertices.iter().copied());
         line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
         if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
-            // Adding zero takes the sign from a zero.
+            // Adding zero turns -0 into +0.
             let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
                 "grasp 0: the hand stands at ({:.1}, {:.1}, {:.1}) mm in the frame of the object, turned by ({:.4}, {:.4}, {:.4}, {:.4})",
@@ -230,7 +230,7 @@ impl Found {
     }
 }
 
-/// Returns a time as text.
+/// Formats a time.
 fn duration(seconds: f64) -> String {
     if seconds < 2.0 {
         format!("{seconds:.1} s")
@@ -239,18 +239,18 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// Returns lines of text as comments of a scene.
+/// Formats lines of text as comments of a scene.
 fn comment(lines: &[String]) -> String {
     lines.iter().map(|line| format!("{}\n", format!("// {line}").trim_end())).collect()
 }
 
-/// Returns the edge lengths of a box, as text.
+/// Formats the edge lengths of a box.
 fn extent(bounds: &Aabb) -> String {
     let size = bounds.size() * 1e3;
     format!("{:.1} x {:.1} x {:.1} mm", size.x, size.y, size.z)
 }
 
-/// Returns the corners of a box, as text.
+/// Formats the corners of a box.
 fn reach(bounds: &Aabb) -> String {
     let [low, high] =
         [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));

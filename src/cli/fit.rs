@@ -1,4 +1,4 @@
-//! Command `tactus fit`: constants of a press fitted to a measured curve.
+//! Command `tactus fit`: fits the constants of a press to a measured curve.
 
 use super::console::Console;
 use super::{Format, NOT_HELD, OK};
@@ -14,33 +14,33 @@ use std::time::Duration;
 /// Arguments of `tactus fit`.
 #[derive(Debug, clap::Args)]
 pub struct FitArgs {
-    /// Scene file: a press; `-` is standard input.
+    /// Scene file of a press; `-` is standard input.
     pub scene: PathBuf,
     /// Measured forces: CSV with the header `depth_m,force_n`.
     #[arg(long, value_name = "TABLE")]
     pub curve: PathBuf,
-    /// Object to take from a scene with several.
+    /// Object to press if the scene has several.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Range of young (Pa), poisson, friction or depth_zero (m), instead of that of a tactile gel; may be given several
-    /// times.
+    /// Range of `young` (Pa), `poisson`, `friction` or `depth_zero` (m); the default is that of a tactile gel. May be
+    /// given several times.
     #[arg(long, value_name = "NAME=LOW,HIGH", allow_hyphen_values = true)]
     pub range: Vec<String>,
-    /// Number of threads; the default is all that the machine has. Each press runs on one.
+    /// Number of threads; the default is all threads of the machine. Each press runs on one thread.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
     /// Folder for `fit.json`, `fit.png` and `fit.svg`; existing files are replaced.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Runs the fits, prints and writes the report. The exit code is 1 if a fit did not settle.
+/// Runs the fits, and prints and writes the report. The exit code is 1 if a fit did not converge.
 ///
 /// # Errors
-/// Fails if the scene, the curve or a range is refused, a press fails, or a file cannot be written.
+/// Fails if the scene, the curve or a range is invalid, a press fails, or a file cannot be written.
 pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let curve = Curve::read(&args.curve)?;

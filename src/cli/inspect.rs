@@ -1,4 +1,4 @@
-//! Command `tactus dataset inspect`: contents and soundness of a data set.
+//! Command `tactus dataset inspect`: contents and integrity of a data set.
 
 use super::console::Console;
 use super::{Format, NOT_HELD, OK};
@@ -15,21 +15,21 @@ use std::path::PathBuf;
 pub struct InspectArgs {
     /// Folder of the data set.
     pub dir: PathBuf,
-    /// Folder for pictures of the inspected grasps; without it none is drawn.
+    /// Folder for pictures of the inspected grasps; without it none are drawn.
     #[arg(short, long, value_name = "DIR")]
     pub pictures: Option<PathBuf>,
-    /// Look only at every Nth grasp of each object.
+    /// Inspect only every Nth grasp of each object.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
-    /// Look only at N frames of a grasp, spread over it and including the last.
+    /// Inspect only N frames of each grasp, evenly spread and including the last.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub frames: Option<u64>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Prints the contents; the exit code is 1 if something is damaged.
+/// Prints the contents; the exit code is 1 if a file or a grasp is damaged.
 ///
 /// # Errors
 /// Fails if the data set cannot be opened or a picture cannot be written.

@@ -39,21 +39,21 @@ pub use run::RunArgs;
 pub use train::TrainArgs;
 pub use view::{ViewArgs, WatchArgs};
 
-/// Exit code for success: everything requested was done and every expectation held.
+/// Exit code for success: everything requested was done and every expectation holds.
 pub const OK: u8 = 0;
-/// Exit code of a scene that ran, but an expectation did not hold or a grasp failed.
+/// Exit code for a scene that ran, but of which an expectation does not hold or a grasp failed.
 pub const NOT_HELD: u8 = 1;
-/// Exit code of wrong arguments or a wrong file: nothing ran.
+/// Exit code for invalid arguments or files, other errors and interruptions.
 pub const REFUSED: u8 = 2;
 
 /// A parallel gripper with two soft tactile pads squeezes a rigid object.
 #[derive(Debug, Parser)]
 #[command(name = "tactus", version, long_version = long_version(), arg_required_else_help = true)]
 pub struct Cli {
-    /// Say nothing beside the report: no notes, no progress. Errors are said.
+    /// Print only the report and errors: no notes, no progress.
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say what the solver does: a line for each frame of a run.
+    /// Print details: a line on the solver for each frame of a run; all systems and components in `check`.
     #[arg(short, long, global = true)]
     pub verbose: bool,
     /// Command to run.
@@ -62,7 +62,7 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// Returns how much is said beside the report.
+    /// Returns how much is printed in addition to the report.
     fn verbosity(&self) -> Verbosity {
         match (self.quiet, self.verbose) {
             (true, _) => Verbosity::Quiet,
@@ -72,46 +72,46 @@ impl Cli {
     }
 }
 
-/// Commands of tactus.
+/// Commands of the command line.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Simulate the grasps of a scene.
     Run(RunArgs),
-    /// Predict all grasps of a scene at once by a trained network.
+    /// Predict all grasps of a scene with a trained network.
     Predict(PredictArgs),
-    /// Load a scene, check everything in it and print it with all defaults written out.
+    /// Check a scene and print it with all includes and defaults written out.
     Check(CheckArgs),
-    /// Simulate all grasps of all objects of a scene into a data set, continuing where an earlier run stopped.
+    /// Simulate all grasps of all objects of a scene into a data set; an interrupted run is resumed.
     Dataset(DatasetArgs),
-    /// Train a network on a data set, continuing where an earlier run stopped.
+    /// Train a network on data sets; an interrupted training is resumed.
     Train(TrainArgs),
-    /// Judge a trained network on grasps that it has not seen.
+    /// Evaluate a trained network on grasps that were not used for its training.
     Eval(EvalArgs),
-    /// Measure speed against error: all settings of the finite elements and networks on the same grasps.
+    /// Measure speed against error: finite elements at several settings, and networks, on the same grasps.
     Bench(BenchArgs),
-    /// Fit Young's modulus, Poisson's ratio, friction and the zero of depth of a press to a measured curve.
+    /// Fit Young's modulus, Poisson's ratio, friction and the zero of depth of a press to a measured force-depth curve.
     Fit(FitArgs),
-    /// Put results into one page: tables, charts, both pads in 3-D.
+    /// Write one HTML page with results: tables, charts and both pads in 3-D.
     Report(ReportArgs),
-    /// Show results in the browser, while they are written, too.
+    /// Show results in the browser, also while they are being written.
     View(ViewArgs),
-    /// Print the completions of a shell.
+    /// Print the completion script of a shell.
     Completions(CompletionsArgs),
-    /// Write the pages of the manual.
+    /// Write the manual pages.
     Man(ManArgs),
 }
 
-/// Form of what is printed on stdout.
+/// Format of the output on stdout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Format {
-    /// Text for readers.
+    /// Human-readable text.
     #[default]
     Text,
     /// JSON object.
     Json,
 }
 
-/// Version, and of what the build reads and runs on.
+/// Returns the version, the platform, and the versions of the data set layout and of the network features.
 fn long_version() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
@@ -124,8 +124,8 @@ fn long_version() -> &'static str {
     &TEXT
 }
 
-/// Runs the command; an error is printed to stderr and gives exit code 2. Wrong arguments are reported by clap, with the
-/// same code.
+/// Runs the command given by the process arguments. An error is printed to stderr and gives exit code 2; clap reports
+/// invalid arguments with the same code.
 pub fn main() -> ExitCode {
     match on_terminal(&Cli::parse()) {
         Ok(code) => ExitCode::from(code),
@@ -139,13 +139,13 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints the last message of a command that is ended in the middle of work that does not check the stop flag.
+/// Prints the last message of a command that is ended after a signal because it did not check the stop flag in time.
 fn last_words() {
-    // Whoever asked for the end may have closed the terminal.
+    // A failure to write is ignored: the terminal may have been closed.
     Terminal::fail("\ninterrupted; files that were being written are as they were before");
 }
 
-/// Returns the error of a command; if an end was requested, it says what is kept.
+/// Returns `error`; if it is an interruption, its message states what is kept.
 fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
     match error {
         Error::Interrupted(_) => Error::Interrupted(format!("interrupted; {}", kept())),
@@ -154,7 +154,7 @@ fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
 }
 
 fn on_terminal(cli: &Cli) -> Result<u8> {
-    // The others are short; a signal ends them as it ends any program.
+    // The other commands are short; a signal ends them by its default action.
     let short =
         matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
     if !short {
@@ -167,7 +167,7 @@ impl Command {
     /// Runs the command and returns its exit code.
     ///
     /// # Errors
-    /// Fails if an argument or a file is refused, or the command cannot go on.
+    /// Fails if an argument or a file is invalid, or the command cannot continue.
     pub fn run(&self, console: &dyn Console) -> Result<u8> {
         match self {
             Command::Run(args) => run::run(args, console),

@@ -1,4 +1,4 @@
-//! Loads that no gel bears, and runs that take days: mistakes of a unit or of a digit, to be known before a run begins.
+//! Plausibility checks of loads and computing times: they detect wrong units or digits before a run.
 
 use crate::geometry::Aabb;
 use crate::gripper::GraspPose;
@@ -11,15 +11,15 @@ use crate::scene::{Loading, Scene};
 use indicatif::HumanDuration;
 use std::time::Duration;
 
-/// Processor time of a grasp above which something is mistaken, s: a day.
+/// Processor time of a grasp above which an input error is assumed, s: one day.
 const LONGEST: f64 = 86_400.0;
 
-/// Depth of an object in a pad over its thickness, above which a force is mistaken: twice what a press is refused for, because springs do not
-/// stiffen as gel does.
+/// Indentation of a pad over its thickness above which an input error of the force is assumed: twice the limit at which
+/// a press is refused, because springs do not stiffen as gel does.
 const THROUGH: f64 = 2.0;
 
-/// Returns what is implausible about a scene, a sentence each: a force that presses the object through a pad in the grasp at `pose`, and a
-/// grasp that takes more than a day.
+/// Returns a sentence for each implausible property of a scene: a force that presses the object through a pad in the
+/// grasp at `pose`, and a grasp that takes more than a day.
 pub(super) fn implausible(scene: &Scene, model: &Model, pose: &GraspPose, expected: &ExpectedTime) -> Vec<String> {
     let sides = if model.alike() { 1 } else { model.fingers.len() };
     let mut all: Vec<String> = (0..sides).filter_map(|side| overload(scene, model, side, pose)).collect();
@@ -34,7 +34,8 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &GraspPose, expect
     all
 }
 
-/// Returns a sentence if the largest force presses the object through pad `side`, as a bed of springs.
+/// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`THROUGH`]
+/// thicknesses.
 fn overload(scene: &Scene, model: &Model, side: usize, pose: &GraspPose) -> Option<String> {
     let force = match &scene.loading {
         Loading::Squeeze(squeeze) => squeeze.force.get(),

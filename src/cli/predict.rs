@@ -1,4 +1,4 @@
-//! Command `tactus predict`: a network's answers to many grasps.
+//! Command `tactus predict`: predictions of a network for all grasps of a scene.
 
 use super::console::Console;
 use super::dataset::limit;
@@ -34,36 +34,36 @@ use std::time::Instant;
 pub struct PredictArgs {
     /// Scene file; `-` is standard input.
     pub scene: PathBuf,
-    /// Object to take from a scene with several; without it all are predicted, one after the other.
+    /// Object to predict if the scene has several; the default is all of them, one after the other.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Folder of the trained model; the default is that of the scene, or the one that ships with tactus, `universe`.
+    /// Folder of the trained model; the default is that of the scene, otherwise `universe`, which is part of tactus.
     #[arg(long, value_name = "MODEL")]
     pub model: Option<PathBuf>,
     /// Predict only the first N grasps of each object.
     #[arg(long, value_name = "N")]
     pub grasps: Option<u64>,
-    /// Number of loads of each grasp, instead of the scene's.
+    /// Number of loads of each grasp; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Folder for the arrays: one `NAME.npz` of each object.
+    /// Folder for the arrays: one `NAME.npz` for each object.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace the arrays of an earlier prediction in the folder instead of refusing.
+    /// Replace the arrays of an earlier prediction in the folder instead of failing.
     #[arg(long, requires = "out")]
     pub overwrite: bool,
-    /// Answer outside the range of the training, where the error is unknown.
+    /// Allow predictions outside the range of the training data, where their error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
-    /// Number of threads; the default is all that the machine has. No bit of the answers depends on it.
+    /// Number of threads; the default is all threads of the machine. The predictions are bitwise independent of it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Answers to the grasps of an object.
+/// Predictions for the grasps of an object.
 #[derive(Debug, Serialize)]
 struct Report {
     name: String,
@@ -76,7 +76,7 @@ struct Report {
     grasps: Vec<Row>,
 }
 
-/// A grasp and its end.
+/// Result of a grasp with its number.
 #[derive(Debug, Serialize)]
 struct Row {
     grasp: usize,
@@ -84,17 +84,17 @@ struct Row {
     end: End,
 }
 
-/// End of a grasp.
+/// Result of a grasp.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum End {
-    /// Answer of the network.
+    /// Prediction of the network.
     Answer(Answer),
-    /// Reason why there is none.
+    /// Reason why there is no prediction.
     Failed { reason: String },
 }
 
-/// State of a grasp at its last load.
+/// Summary of a grasp at its last load.
 #[derive(Debug, Serialize)]
 struct Answer {
     travel_mm: f64,
@@ -107,7 +107,7 @@ struct Answer {
 /// Predicts the grasps of a scene.
 ///
 /// # Errors
-/// Fails if the scene, the model or an argument is refused, or the file cannot be written.
+/// Fails if the scene, the model or an argument is invalid, or the file cannot be written.
 pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
@@ -115,7 +115,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let pool = pool(threads)?;
     let own = set.scenes.first().and_then(|named| named.scene.stepper.model());
     let predictor = Predictor::open(args.model.as_deref().or(own).unwrap_or(SHIPPED.as_ref()))?;
-    // Before anything is computed.
+    // Existing files are detected before anything is computed.
     let earlier = set.scenes.iter().filter_map(|named| arrays_of(args, named)).find(|path| path.exists());
     if let Some(path) = earlier.filter(|_| !args.overwrite) {
         let message = "holds an earlier prediction; choose another output directory, or --overwrite it";
@@ -138,7 +138,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     Ok(if good { OK } else { NOT_HELD })
 }
 
-/// Returns the file for the arrays of an object; None without a folder.
+/// Returns the path of the array file of an object; None without an output folder.
 fn arrays_of(args: &PredictArgs, named: &NamedScene) -> Option<PathBuf> {
     args.out.as_ref().map(|dir| dir.join(format!("{}.npz", named.name.as_str())))
 }
@@ -148,7 +148,7 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let model = Model::build(&named.scene.on_own_mesh())?;
     let poses = poses_of(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
-    // The linear response of pads that are new is not part of the time of a grasp.
+    // The linear response of new pads is computed here, outside the measured time of a grasp.
     predictor.admit_some(&model, extrapolate)?;
     let loads: Vec<GraspLoad> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();
@@ -235,7 +235,7 @@ impl Answer {
     }
 }
 
-/// Writes the arrays of all grasps that have an answer.
+/// Writes the arrays of all grasps that have a prediction.
 fn write(path: &Path, model: &Model, loads: &[GraspLoad], answers: &[Result<PredictedGrasp>]) -> io::Result<()> {
     let mut npz = NpzWriter::new(BufWriter::new(std::fs::File::create(path)?));
     each_array(model, loads, answers, |name, shape, numbers| put(&mut npz, name, IxDyn(shape), &numbers))?;

@@ -1,4 +1,4 @@
-//! Observer of running grasps that moves a bar.
+//! Observer of running grasps that advances a progress bar.
 
 use super::console::Console;
 use crate::error::Result;
@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Shows the progress of a run.
 pub struct RunProgress<'c> {
     bar: ProgressBar,
-    /// Console that wants a line for each frame, if there is one.
+    /// Console that prints a line for each frame; None if not requested.
     follower: Option<&'c dyn Console>,
     frames: usize,
     ended: AtomicUsize,
@@ -20,11 +20,11 @@ pub struct RunProgress<'c> {
 }
 
 impl<'c> RunProgress<'c> {
-    /// Returns an observer that moves a bar on `console`, a step for each of the `frames` of each of the `grasps`, and says what was done for a
-    /// frame if a reader wants to follow.
+    /// Creates an observer with a progress bar on `console` of one step for each of the `frames` of each of the
+    /// `grasps`. It also prints a line for each frame if the console requests details.
     pub fn new(console: &'c dyn Console, grasps: usize, frames: usize) -> Self {
         let bar = console.show(ProgressBar::new((grasps * frames) as u64));
-        // The template is a constant; if it were wrong the default style would do.
+        // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} frame {pos}/{len}  {msg}  {elapsed}") {
             bar.set_style(style);
         }

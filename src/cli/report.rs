@@ -1,4 +1,4 @@
-//! Command `tactus report`: results as one page that needs only a browser.
+//! Command `tactus report`: writes results as one self-contained HTML page.
 
 use super::console::Console;
 use super::{Format, OK};
@@ -11,27 +11,27 @@ use std::path::PathBuf;
 /// Arguments of `tactus report`.
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
-    /// Folders of runs, data sets, trainings and benches; they share a page.
+    /// Folders of runs, data sets, trainings and benches; all are shown on one page.
     #[arg(required = true)]
     pub dirs: Vec<PathBuf>,
-    /// Folder of a trained model to judge on the data sets.
+    /// Folder of a trained model to evaluate on the data sets.
     #[arg(long, value_name = "DIR")]
     pub model: Option<PathBuf>,
-    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model was
-    /// trained.
+    /// Test grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT`; the default is the split on which the model
+    /// was trained.
     #[arg(long)]
     pub split: Option<String>,
-    /// Number of grasps of each folder in 3-D; with a model one is the median, two are median and worst, more go from
-    /// best to worst.
+    /// Number of grasps of each folder shown in 3-D; with a model, 1 shows the median grasp, 2 the median and the
+    /// worst, and more are spread from best to worst.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub grasps: usize,
-    /// Largest number of frames of each, spread over it.
+    /// Largest number of frames of each grasp, evenly spread.
     #[arg(long, value_name = "N", default_value_t = FRAMES as u64, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: u64,
-    /// File of the page.
+    /// Output file.
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,
-    /// Form of the output on stdout: the tables as Markdown, or the path of the page.
+    /// Format of the output on stdout: the tables as Markdown, or a JSON object with the path of the page.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -39,7 +39,7 @@ pub struct ReportArgs {
 /// Writes the page and prints its tables.
 ///
 /// # Errors
-/// Fails if a folder has no readable results, the model cannot be judged, or the page cannot be written.
+/// Fails if a folder has no readable results, the model cannot be evaluated, or the page cannot be written.
 pub fn report_page(args: &ReportArgs, console: &dyn Console) -> Result<u8> {
     let wishes = Wishes {
         model: args.model.clone(),

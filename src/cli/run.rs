@@ -15,53 +15,56 @@ use std::path::{Path, PathBuf};
 pub struct RunArgs {
     /// Scene file; `-` is standard input.
     pub scene: PathBuf,
-    /// Object to take from a scene with several; without it all run, one after the other, into `DIR/NAME`.
+    /// Object to simulate if the scene has several; the default is all of them, one after the other, each into
+    /// `DIR/NAME`.
     #[arg(long, value_name = "NAME")]
     pub object: Option<String>,
-    /// Folder for the results; without it nothing is kept.
+    /// Folder for the results; without it no files are written.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace an earlier run in the folder instead of refusing.
+    /// Replace the results of an earlier run in the folder instead of failing.
     #[arg(long, requires = "out")]
     pub overwrite: bool,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Number of threads, instead of the scene's.
+    /// Number of threads; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Wall time that a grasp may take, s; a longer one ends as a fault. Which grasps end then depends on the machine.
+    /// Time limit of a grasp in wall-clock seconds; a grasp that exceeds it ends with the status `fault`. Results then
+    /// depend on the speed of the machine.
     #[arg(long, value_name = "SECONDS")]
     pub max_time: Option<f64>,
-    /// Run only this grasp of the scene (from 0); may be given several times.
+    /// Run only the grasp with this number, from 0; may be given several times.
     #[arg(long, value_name = "I")]
     pub grasp: Vec<usize>,
-    /// Final force of a squeeze, the sum over the fingers, N, instead of the scene's.
+    /// Final force of a squeeze, the sum over the fingers, N; overrides the scene.
     #[arg(long, value_name = "N")]
     pub force: Option<f64>,
-    /// Number of recorded frames, instead of the scene's.
+    /// Number of recorded frames; overrides the scene.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: Option<u64>,
-    /// Also measure how far pads and object move if friction, the pose of the hand and the force at which the object is released change
-    /// slightly: five times the work.
+    /// Also measure the sensitivity of each grasp: the change of pads and object under small changes of friction, of
+    /// the pose of the hand and of the force at which the object is released; five times the work.
     #[arg(long)]
     pub sensitivity: bool,
-    /// Draw no pictures.
+    /// Write no pictures.
     #[arg(long)]
     pub no_pictures: bool,
-    /// Backend, instead of the scene's.
+    /// Backend; overrides the scene.
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
-    /// Folder of the trained model, for `--backend gnn`; the default is the one that ships with tactus, `universe`.
+    /// Folder of the trained model for `--backend gnn`; the default is `universe`, which is part of tactus.
     #[arg(long, value_name = "MODEL", requires = "backend")]
     pub model: Option<PathBuf>,
-    /// Largest error of the displacement that is accepted from a network, like 0.05; grasps of which it is not sure go to finite elements.
+    /// Largest accepted error of the displacement predicted by a network, relative, like 0.05; a grasp whose predicted
+    /// error exceeds it is computed by finite elements.
     #[arg(long, value_name = "PART")]
     pub error_at_most: Option<f64>,
-    /// Let a network answer outside the range of its training, where its error is unknown.
+    /// Allow predictions outside the range of the training data, where their error is unknown.
     #[arg(long)]
     pub extrapolate: bool,
-    /// Page in the browser.
+    /// Options of the page in the browser.
     #[command(flatten)]
     pub watch: WatchArgs,
 }
@@ -70,7 +73,7 @@ impl RunArgs {
     /// Loads the scenes of all objects, or of the requested one, with the arguments applied.
     ///
     /// # Errors
-    /// Fails if the scene file or an argument is refused, or no object has the requested name.
+    /// Fails if the scene file or an argument is invalid, or no object has the requested name.
     pub fn load(&self) -> Result<LoadedSet> {
         let mut set = load_set(&self.scene)?.only(self.object.as_deref())?;
         let overrides = Overrides {
@@ -92,16 +95,16 @@ impl RunArgs {
     }
 }
 
-/// Returns the error of a refused argument.
+/// Returns the error of an invalid argument.
 pub(super) fn refused(message: &str) -> Error {
     Error::Argument(message.into())
 }
 
-/// Simulates the grasps of the scene, of one object after the other, records and reports them. If there are several
-/// objects, each has a folder of its own name in the folder of the results.
+/// Simulates, records and reports the grasps of the scene, one object after the other. If there are several objects,
+/// each has a subfolder of its name in the folder of the results.
 ///
 /// # Errors
-/// Fails if the scene or an argument is refused, a model cannot be built, or a file cannot be written.
+/// Fails if the scene or an argument is invalid, a model cannot be built, or a file cannot be written.
 pub fn run(args: &RunArgs, console: &dyn Console) -> Result<u8> {
     let set = args.load()?;
     if !args.watch.watch {
@@ -133,13 +136,13 @@ fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8>
     Ok(if good { OK } else { NOT_HELD })
 }
 
-/// Returns an error with the object that it is about.
+/// Returns the error with the name of the object that it concerns.
 pub(super) fn about_object(name: &str, error: &Error) -> Error {
     let text = error.to_string();
     Error::Scene(format!("error: object {name}: {}", text.strip_prefix("error: ").unwrap_or(&text)))
 }
 
-/// Returns a report as JSON, with the name of its object.
+/// Returns a JSON report with the name of its object added.
 fn with_name(name: &str, text: &str) -> Result<Value> {
     let mut report: Value =
         serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is no JSON: {e}")))?;
@@ -147,8 +150,8 @@ fn with_name(name: &str, text: &str) -> Result<Value> {
     Ok(report)
 }
 
-/// Simulates the grasps of one object into `out`: returns the report, and true if all promises are kept. `last` is true if nothing
-/// follows.
+/// Simulates the grasps of one object into `out`. Returns the report, and true if all expectations hold. If `last`, the
+/// process ends next, and memory is not freed.
 fn run_object(
     args: &RunArgs,
     scene: &Scene,
@@ -181,7 +184,7 @@ fn run_object(
     Ok((text, good))
 }
 
-/// Starts threads for parallel work.
+/// Starts a pool of threads.
 pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|e| Error::Start(format!("cannot start {threads} threads: {e}")))

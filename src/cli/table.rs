@@ -1,4 +1,4 @@
-//! Report of a run as text.
+//! Text report of a run.
 
 use crate::gripper::GraspPose;
 use crate::judge::Verdict;
@@ -10,11 +10,11 @@ use crate::scene::{Expectation, Scene, StepperChoice};
 use crate::simulate::Simulated;
 use std::fmt::Write;
 
-/// Renders heading, a row per grasp, expectations and the profile.
+/// Renders the heading, a row per grasp, the expectations and the profile.
 pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulated) -> String {
     let Simulated { outcomes, held, report, wall_s } = simulated;
     let mut out = String::new();
-    // Writing to a String cannot fail; the results below are dropped for that reason.
+    // Writing to a String cannot fail, so the results below are ignored.
     if !scene.about.is_empty() {
         let _ = writeln!(out, "{}", scene.about);
     }

@@ -17,25 +17,26 @@ use std::time::Instant;
 /// Arguments of `tactus train`.
 #[derive(Debug, clap::Args)]
 pub struct TrainArgs {
-    /// Folders of data sets that `tactus dataset` made; several are learnt from together.
+    /// Folders of data sets made by `tactus dataset`; several are combined for training.
     #[arg(required = true)]
     pub data: Vec<PathBuf>,
-    /// Model file: the network, and how it is trained.
+    /// Model file: architecture of the network and settings of the training.
     #[arg(long, value_name = "M.ron")]
     pub model: PathBuf,
-    /// Folder of the trained model; an unfinished one is continued.
+    /// Folder of the trained model; an unfinished training is resumed.
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT,OBJECT`, which leaves out all objects whose names begin with one of these and a `-`, too.
+    /// Training grasps: `poses`, `all`, `single:OBJECT` or `without:OBJECT,OBJECT`, which excludes all objects whose
+    /// name is OBJECT or begins with `OBJECT-`.
     #[arg(long, default_value = "poses")]
     pub split: String,
-    /// Form of the report on stdout.
+    /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Number of threads; the default is all that the machine has. The weights do not depend on it.
+    /// Number of threads; the default is all threads of the machine. The weights do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     pub threads: Option<u64>,
-    /// Page in the browser.
+    /// Options of the page in the browser.
     #[command(flatten)]
     pub watch: WatchArgs,
 }
@@ -43,7 +44,7 @@ pub struct TrainArgs {
 /// Trains a network.
 ///
 /// # Errors
-/// Fails if the data set or the model file cannot be read, the split is refused, or a file cannot be written.
+/// Fails if the data set or the model file cannot be read, the split is invalid, or a file cannot be written.
 pub fn train(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let pool = pool(args.threads.map_or_else(machine_threads, |n| n as usize))?;
     watched(&args.watch, &args.out, console, || pool.install(|| run(args, console)))
@@ -62,7 +63,7 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
         if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
     ));
     let bar = console.show(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
-    // The template is a constant; if it were wrong the default style would do.
+    // The template is a constant; if it were invalid, the default style would be used.
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {
         bar.set_style(style);
     }

@@ -1,4 +1,5 @@
-//! Command `tactus view`, and `--watch` of others: results as a page in the browser, which follows what is written.
+//! Command `tactus view`, and `--watch` of other commands: a page in the browser that shows results while they are
+//! written.
 
 use super::console::Console;
 use super::run::{RunArgs, refused, run};
@@ -11,47 +12,48 @@ use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-/// Number of grasps in 3-D.
+/// Default number of grasps in 3-D.
 const GRASPS: usize = 8;
 
 /// Arguments of `tactus view`.
 #[derive(Debug, clap::Args)]
 pub struct ViewArgs {
-    /// Folder of a run, data set, training or bench, which may still be growing; or a scene, which is run meanwhile.
+    /// Folder of a run, data set, training or bench, which may be incomplete; or a scene, which is run while its
+    /// results are shown.
     pub path: PathBuf,
-    /// Folder for the results of a scene; without it they are gone with the viewer.
+    /// Folder for the results of a scene; without it they are deleted when the viewer ends.
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Port on 127.0.0.1; the default is any that is free.
+    /// Port on 127.0.0.1; the default 0 chooses a free one.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub port: u16,
     /// Open the page in the browser.
     #[arg(long)]
     pub open: bool,
-    /// Folder of a trained model to judge on a data set.
+    /// Folder of a trained model to evaluate on a data set.
     #[arg(long, value_name = "DIR")]
     pub model: Option<PathBuf>,
-    /// Largest number of grasps in 3-D, spread over all.
+    /// Largest number of grasps shown in 3-D, evenly spread over all.
     #[arg(long, value_name = "N", default_value_t = GRASPS)]
     pub grasps: usize,
-    /// Form of the address on stdout, and of the report of a scene.
+    /// Format of the address on stdout, and of the report of a scene.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
 
-/// Arguments of commands that may be watched.
+/// Arguments of commands that have `--watch`.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct WatchArgs {
-    /// Show the results in the browser while they are written, until Ctrl-C. The browser opens by itself where stderr is a terminal with a
-    /// display.
+    /// Show the results in the browser while they are written, until Ctrl-C. The browser opens automatically if stderr
+    /// is a terminal with a display.
     #[arg(long)]
     pub watch: bool,
-    /// Port of the page on 127.0.0.1; the default is any that is free.
+    /// Port of the page on 127.0.0.1; the default 0 chooses a free one.
     #[arg(long, value_name = "N", requires = "watch", default_value_t = 0)]
     pub port: u16,
 }
 
-/// Serves a folder until an end is requested, or runs a scene and serves its results.
+/// Serves the page of a folder, or of the results of a scene that it runs, until an end is requested.
 ///
 /// # Errors
 /// Fails if there is nothing to show, the port is taken, or the scene cannot run.
@@ -66,7 +68,7 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
         return Err(Error::file(&args.path, message));
     }
     let (out, _kept) = if scene { folder(args.out.as_deref())? } else { (args.path.clone(), None) };
-    // Before the page: what is refused is refused at once.
+    // The scene is checked before the page is served, so that an invalid one fails at once.
     let run_args =
         RunArgs { scene: args.path.clone(), out: Some(out.clone()), format: args.format, ..RunArgs::default() };
     if scene {
@@ -87,10 +89,11 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     Ok(code)
 }
 
-/// Runs `work`, which writes into `dir`; where it is to be watched, serves the folder meanwhile and until an end is requested.
+/// Runs `work`, which writes into `dir`. With `--watch`, it also serves the page of the folder until an end is
+/// requested.
 ///
 /// # Errors
-/// Fails if the port is taken, and as `work` does: an error ends the page, too.
+/// Fails if the port is taken or `work` fails; an error also ends the page.
 pub(super) fn watched(
     args: &WatchArgs,
     dir: &Path,
@@ -113,7 +116,8 @@ pub(super) fn watched(
     Ok(code)
 }
 
-/// Returns the folder for results, and keeps the temporary one that is made where none is given.
+/// Returns the folder for results. If `out` is None, this is a new temporary folder, which exists until the second
+/// value is dropped.
 pub(super) fn folder(out: Option<&Path>) -> Result<(PathBuf, Option<tempfile::TempDir>)> {
     match out {
         Some(dir) => Ok((dir.to_path_buf(), None)),
@@ -126,7 +130,7 @@ pub(super) fn folder(out: Option<&Path>) -> Result<(PathBuf, Option<tempfile::Te
     }
 }
 
-/// Returns true where a browser can be seen.
+/// Returns true if the system can display a browser.
 fn has_display() -> bool {
     !cfg!(target_os = "linux") || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some())
 }

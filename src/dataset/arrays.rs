@@ -1,11 +1,11 @@
-//! Arrays of an object's file that hold one row per grasp: names, shapes, types, units.
+//! Arrays of an object's file with one row per grasp: names, shapes, types, units.
 
 use crate::error::Result;
 use crate::model::Model;
 use crate::observe::ArraySpec;
 use crate::record::names;
 
-/// Version of the layout; a reader refuses others.
+/// Version of the layout; a reader rejects other versions.
 pub const FORMAT: u64 = 3;
 
 /// Type of the numbers, little-endian.
@@ -32,7 +32,7 @@ impl NumberKind {
     }
 }
 
-/// Numbers that fix all shapes.
+/// Numbers that determine all shapes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileSizes {
     /// Number of grasps of the object.
@@ -41,9 +41,10 @@ pub struct FileSizes {
     pub frames: usize,
     /// Number of pads.
     pub pads: usize,
-    /// Number of nodes of a pad, mid-edge ones included; of pads that differ that of the larger one, and rows of the other end in zeros.
+    /// Number of nodes of a pad, mid-edge nodes included. If the pads differ, it is that of the larger one, and rows of
+    /// the other are padded with zeros.
     pub nodes: usize,
-    /// Number of corner nodes of all pads; those of a pad come first.
+    /// Number of corner nodes of all pads; in each pad they precede the mid-edge nodes.
     pub corners: usize,
     /// Number of tetrahedra of all pads.
     pub tets: usize,
@@ -72,7 +73,7 @@ impl FileSizes {
     /// Returns the sizes for `grasps` grasps of `model`.
     ///
     /// # Errors
-    /// Fails for a scene without fingers: a data set holds what pads feel.
+    /// Fails for a scene without fingers, because a data set describes the states of pads.
     pub fn of(model: &Model, grasps: usize) -> Result<Self> {
         model.finger()?;
         let pads = || model.fingers.iter().map(|finger| &finger.topology);
@@ -92,7 +93,8 @@ impl FileSizes {
         self.rows().map(|row| self.grasps as u64 * row.bytes() as u64).sum()
     }
 
-    /// Returns the layouts of all rows of a grasp, in the order of the file: those of [`ARRAYS`], then those of tactile sensors.
+    /// Returns the layouts of all rows of a grasp, in the order of the file: those of [`ARRAYS`], then those of tactile
+    /// sensors.
     pub fn rows(&self) -> impl Iterator<Item = RowLayout<'_>> {
         let fixed = ARRAYS.iter().map(|array| RowLayout {
             name: array.name,
@@ -160,12 +162,12 @@ impl ArrayLayout {
     }
 }
 
-/// Longest reason that is kept, bytes.
+/// Largest stored length of a reason, bytes.
 pub const REASON: usize = 256;
 
 macro_rules! arrays {
     ($($row:ident $name:tt $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
-        /// Arrays by name; `row as usize` is the place in [`ARRAYS`].
+        /// Arrays by name; `row as usize` is the index in [`ARRAYS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum RowName {
             $(#[doc = $about] $row,)*

@@ -1,5 +1,4 @@
-//! Making of a data set: objects and their grasps in parallel, continued from the point where an earlier run was
-//! stopped.
+//! Creation of a data set: simulates objects and their grasps in parallel, and resumes an interrupted run.
 
 use super::arrays::{FORMAT, FileSizes};
 use super::compatible::{World, sensor};
@@ -27,7 +26,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Plan of all simulations of a data set, complete before anything runs.
+/// Plan of all simulations of a data set, complete before the first simulation.
 #[derive(Debug)]
 pub struct Campaign {
     dir: PathBuf,
@@ -38,7 +37,8 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// Plans a data set in `dir`, by the backends that `choose` opens: loads or samples all grasps, and fixes the content of every file.
+    /// Plans a data set in `dir` with the backends that `choose` opens: loads or samples all grasps, and determines the
+    /// content of every file.
     ///
     /// # Errors
     /// Fails if a scene cannot be built or the folder holds another data set.
@@ -46,10 +46,10 @@ impl Campaign {
         Self::plan_some(set, dir, choose, None)
     }
 
-    /// Plans a data set of the grasps that a `selection` keeps.
+    /// Plans a data set that contains only the grasps chosen by `selection`.
     ///
     /// # Errors
-    /// Fails as [`Campaign::plan`] does, and if a score fails.
+    /// Fails as [`Campaign::plan`] does, and if a score cannot be computed.
     pub fn plan_some(set: &LoadedSet, dir: &Path, choose: Choose, selection: Option<&Selection>) -> Result<Self> {
         let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
         let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
@@ -95,7 +95,7 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Takes over what an earlier run left, and refuses what does not belong to this plan.
+    /// Adopts the manifest of an earlier run that finished; fails if the folder holds another plan.
     fn resume(&mut self) -> Result<()> {
         match Manifest::read(&self.dir)? {
             Some(earlier) if earlier.plan != self.manifest.plan => {
@@ -103,7 +103,7 @@ impl Campaign {
                                choose another folder, or remove this one";
                 Err(Error::file(&self.dir, message))
             }
-            // What became of its grasps stands there alone.
+            // Only this manifest holds the results of the finished grasps.
             Some(earlier) if earlier.finished => {
                 let entry = |e: &ObjectEntry| (e.name.clone(), e.file.clone(), e.grasps);
                 if !earlier.objects.iter().map(entry).eq(self.manifest.objects.iter().map(entry)) {
@@ -114,17 +114,17 @@ impl Campaign {
                 self.manifest = earlier;
                 Ok(())
             }
-            // Of an unfinished one, all else follows from the plan.
+            // Everything else in an unfinished manifest follows from the plan.
             Some(_) | None => Ok(()),
         }
     }
 
-    /// Returns the largest size of all files together, bytes.
+    /// Returns the upper bound of the total size of all files, bytes.
     pub fn bytes(&self) -> u64 {
         self.objects.iter().map(|o| o.limit).fold(0, u64::saturating_add)
     }
 
-    /// Refuses a campaign whose files do not fit on the disk beside those of them that are already there.
+    /// Fails if the part of the files that is not on the disk yet does not fit on it.
     fn fits(&self) -> Result<()> {
         let taken = |object: &Planned| {
             let path = self.dir.join(&object.file);
@@ -135,12 +135,12 @@ impl Campaign {
         limits::admit_files(open, &self.dir)
     }
 
-    /// Returns the manifest: that of the plan, or the one already on the disk.
+    /// Returns the manifest: that of the finished data set on the disk, otherwise that of the plan.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Returns the number of grasps that need not run again.
+    /// Returns the number of grasps that are already finished.
     pub fn finished(&self) -> usize {
         if self.manifest.finished {
             return self.manifest.grasps;
@@ -148,23 +148,23 @@ impl Campaign {
         self.objects.iter().map(|o| self.progress(o).finished(o.poses.len()).len()).sum()
     }
 
-    /// Checks that the backend serves the first object, before anything is written.
+    /// Checks that the backend supports the first object, before anything is written.
     fn admit(&self) -> Result<()> {
         let Some(Planned { named, .. }) = self.objects.first() else { return Ok(()) };
         (self.choose)(&named.scene)?.admit(&*Model::build(&named.scene)?)
     }
 
-    /// Runs the grasps that are not finished, on `threads` threads, and closes the data set.
+    /// Runs the unfinished grasps on `threads` threads, and completes the data set.
     ///
     /// # Errors
-    /// Fails if a file cannot be written, a model cannot be built or the folder is in use. A grasp that fails is part of
+    /// Fails if a file cannot be written, a model cannot be built or the folder is in use. A failed grasp is part of
     /// the data set, not an error.
     pub fn run(&mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
         if !self.manifest.finished {
             self.fits()?;
             self.admit()?;
         }
-        // Held while this campaign writes, so that two never write the same folder.
+        // Held while this campaign writes, so that no two processes write to the same folder.
         let lock = FolderLock::alone(&self.dir, COMMAND)?;
         lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
@@ -188,15 +188,15 @@ impl Campaign {
             self.manifest.write(&self.dir)?;
         }
         progress::remove(&self.dir.join(PROGRESS))?;
-        // Their names are not part of the data set; that they stay is not worth an error.
+        // These temporary files are not part of the data set; a failure to remove them is not an error.
         let _ = std::fs::remove_file(self.dir.join(LAYING_OUT));
         remove_left_over(&self.dir.join("dgs_output"));
         self.objects.iter().for_each(|object| remove_left_over(&self.about(object)));
         Ok(self.manifest.clone())
     }
 
-    /// Measures how well posed the first `most` grasps of each object are, on `threads` threads. Returns one row per change of a grasp,
-    /// including those that an earlier run wrote.
+    /// Measures the sensitivity of the first `most` grasps of each object, on `threads` threads. Returns one row per
+    /// change of a grasp, including those of an earlier run.
     ///
     /// # Errors
     /// Fails if a file cannot be written, a model cannot be built or the folder is in use.
@@ -212,7 +212,7 @@ impl Campaign {
         Ok(table)
     }
 
-    /// Returns the folder of the files that the public loader reads about an object.
+    /// Returns the folder of an object's files for the public loader.
     fn about(&self, object: &Planned) -> PathBuf {
         self.dir.join("dgn_dataset").join(object.named.name.as_str())
     }
@@ -221,10 +221,10 @@ impl Campaign {
         Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
     }
 
-    /// Runs those grasps of a part that are not finished, on `threads` threads, beside the other parts, on one machine or
-    /// on several that share the folder. Of `parts` parts, `part` (from 0) has every `parts`th grasp. [`Campaign::run`]
-    /// then finds all grasps finished and closes the data set. The division into parts changes no byte. Returns the
-    /// number of grasps that ran.
+    /// Runs the unfinished grasps of a part on `threads` threads, concurrently with the other parts, on one machine or
+    /// on several that share the folder. Part `part` (from 0) of `parts` consists of every `parts`th grasp.
+    /// [`Campaign::run`] then finds all grasps finished and completes the data set. The files do not depend on the
+    /// division into parts. Returns the number of grasps that ran.
     ///
     /// # Errors
     /// Fails in the cases of [`Campaign::run`].
@@ -246,13 +246,13 @@ impl Campaign {
         Ok(ran.into_iter().sum())
     }
 
-    /// Returns the expected work of each object: frames of nodes.
+    /// Returns the expected work of each object: grasps x frames x nodes.
     fn work(&self) -> Vec<u64> {
         let of = |FileSizes { grasps, frames, nodes, .. }: &FileSizes| (grasps * frames * nodes) as u64;
         self.objects.iter().map(|object| of(&object.sizes)).collect()
     }
 
-    /// Runs the grasps of one object that are not finished, and gives its file its name.
+    /// Runs the unfinished grasps of one object, and renames its file to the final name.
     fn object(
         &self,
         object: &Planned,
@@ -262,7 +262,7 @@ impl Campaign {
     ) -> Result<BTreeMap<usize, Finished>> {
         let path = self.dir.join(&object.file);
         let rename = |from: &Path, to: &Path| std::fs::rename(from, to).map_err(|e| cannot_write(to, &e));
-        // Its last step is the renaming: once the file has its name, all is in it, unless it came to harm.
+        // The renaming is the last step: a file with its final name is complete unless it was damaged later.
         if path.exists() && !self.is_whole(object, &path) {
             rename(&path, &open(&path))?;
         }
@@ -278,31 +278,31 @@ impl Campaign {
         Ok(finished)
     }
 
-    /// Returns true if the file at `path` has the layout of the object and sound rows of all its grasps.
+    /// Returns true if the file at `path` has the layout of the object and intact rows of all its grasps.
     fn is_whole(&self, object: &Planned, path: &Path) -> bool {
         let Ok(writer) = Writer::open(path, &object.sizes) else { return false };
         let sound = self.sound(object, &writer);
         sound.len() == object.poses.len() && self.is_laid_out(object, path)
     }
 
-    /// Returns true if the file at `path` has the layout of the object, whatever its rows.
+    /// Returns true if the file at `path` has the layout of the object, regardless of its rows.
     fn is_laid_out(&self, object: &Planned, path: &Path) -> bool {
         let layout = Writer::open(path, &object.sizes).and_then(|writer| writer.layout());
         layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
     }
 
-    /// Returns the record of a layout. It names the plan, so that a layout of another plan is not recognised.
+    /// Returns the record of a layout. It contains the plan, so that a layout of another plan is not recognised.
     fn of_plan(&self, layout: &str) -> String {
         format!("{} {layout}", self.manifest.plan)
     }
 
-    /// Returns the grasps whose records and rows are as they were written.
+    /// Returns the grasps whose records and rows are intact.
     fn sound(&self, object: &Planned, writer: &Writer) -> BTreeMap<usize, Finished> {
         let finished = self.progress(object).finished(object.poses.len());
         finished.into_par_iter().filter(|(_, record)| writer.holds(record)).collect()
     }
 
-    /// Runs those of the `wanted` grasps of one object that are not finished; returns their number.
+    /// Runs the unfinished ones among the `wanted` grasps of an object; returns their number.
     fn simulate(
         &self,
         object: &Planned,
@@ -340,13 +340,13 @@ impl Campaign {
         Ok(grasps.len())
     }
 
-    /// Waits until no other part writes the files that all parts share. Without the wait, a part that started at the same moment would
-    /// find its half-written file renamed.
+    /// Waits until no other part writes the files that all parts share. Otherwise a part that starts at the same time
+    /// could rename a half-written file.
     fn turn(&self) -> Result<Turn> {
         Turn::wait(&self.dir.join(LAYING_OUT), COMMAND)
     }
 
-    /// Writes the files of one object, with empty rows, unless they are there. One part does it, the others wait.
+    /// Writes the files of one object, with empty rows, unless they exist. One part does this while the others wait.
     fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
         let _turn = self.turn()?;
         let open = open(&self.dir.join(&object.file));
@@ -363,7 +363,7 @@ impl Campaign {
             write_stl(about.join(format!("{name}_processed.stl")), &model.object.surface)?;
             write_grasps_h5(about.join(format!("{name}_grasps.h5")), &object.poses)?;
             create_dir(&self.dir.join("dgs_output"))?;
-            // Records without a file are of no use.
+            // Records of finished grasps are invalid without the file with their rows.
             self.progress(object).clear()?;
             lay_out(&open, &object.named, model, &object.sizes, mirrored)?;
             let layout = Writer::open(&open, &object.sizes)?.layout()?;
@@ -373,7 +373,7 @@ impl Campaign {
     }
 }
 
-/// Returns the space that a file takes on the disk, bytes; rows that have not been written yet may take none.
+/// Returns the disk space that a file occupies, bytes; rows that have not been written may occupy none.
 fn allocated(meta: &std::fs::Metadata) -> u64 {
     #[cfg(unix)]
     return std::os::unix::fs::MetadataExt::blocks(meta) * 512;
@@ -381,14 +381,14 @@ fn allocated(meta: &std::fs::Metadata) -> u64 {
     return meta.len();
 }
 
-/// Returns the name of an object's file while it has open rows.
+/// Returns the path of an object's file while grasps are unfinished.
 pub(super) fn open(path: &Path) -> PathBuf {
     path.with_extension("h5.open")
 }
 
-/// Folder of the records of finished grasps.
+/// Name of the folder with the records of finished grasps.
 pub(super) const PROGRESS: &str = ".progress";
-/// Name of the command that holds the folder.
+/// Name of the command that locks the folder.
 const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.
 const LAYING_OUT: &str = ".laying_out";

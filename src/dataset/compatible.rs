@@ -1,9 +1,10 @@
-//! World of the public loader of DefGraspSim's tactile grasps.
+//! Coordinate conventions of the public loader of DefGraspSim's tactile grasps.
 //!
-//! The loader's hand closes along y, its world is Y-up, and its pads stand in the hand at (-0.0006, +-0.0275, 0.099) m.
-//! Its right pad is the point reflection of its left one, while a real right pad is the left one after a half turn about
-//! the approach. Both are the same body if the pad is its own mirror image along the approach. Node i of the right pad
-//! here is then the node at the mirrored place, and the loader's rest shapes fit.
+//! The hand of the loader closes along y, its world has Y up, and its pads are at (-0.0006, +-0.0275, 0.099) m in the
+//! hand. Its right pad is the point reflection of its left pad, whereas a real right pad is the left pad rotated by 180
+//! degrees about the approach axis. Both are the same body if the pad is mirror-symmetric along the approach axis. Node
+//! i of the right pad is then stored as the node at the mirrored position, and the undeformed shapes of the loader are
+//! correct.
 
 use crate::geometry::mesh::TetMesh;
 use crate::record::{ElementNodes, PadTopology};
@@ -11,7 +12,7 @@ use crate::scene::Placement;
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
-/// Centre of the loader's pads in its hand, along the finger width and the approach, m.
+/// Centre of the pads in the loader's hand, along the finger width and the approach, m.
 const CENTER: [f64; 2] = [-0.0006, 0.099];
 
 /// Transformation from the hand frame to the loader's world.
@@ -21,7 +22,7 @@ pub struct World {
 }
 
 impl World {
-    /// Returns the world for a gripper whose pads are placed like this.
+    /// Returns the transformation for a gripper with this placement of its pads.
     pub fn new(placement: &Placement) -> Self {
         let offset = DVec3::new(CENTER[0] - placement.y.get(), 1.0 + CENTER[1] - placement.z.get(), 0.0);
         Self { offset }
@@ -38,7 +39,7 @@ impl World {
     }
 }
 
-/// Returns the pad as `tactile_sensor.tet`: bonded face at y = 0, outward normal +y.
+/// Returns the mesh of `tactile_sensor.tet`: bonded face at y = 0, outward normal +y.
 pub fn sensor(pad: &PadTopology) -> TetMesh {
     let back = pad.rest.iter().fold(f64::INFINITY, |low, p| low.min(p.z));
     let nodes = pad.rest[..pad.corner_count].iter().map(|p| DVec3::new(p.x, p.z - back, -p.y)).collect();
@@ -53,7 +54,7 @@ fn corner_tets(elements: &ElementNodes) -> Vec<[u32; 4]> {
     }
 }
 
-/// Nodes and tetrahedra of the right pad that stand for node i and tetrahedron t of the loader.
+/// Nodes and tetrahedra of the right pad that are stored as node i and tetrahedron t of the loader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mirror {
     /// Indices of the corner nodes.
@@ -63,7 +64,7 @@ pub struct Mirror {
 }
 
 impl Mirror {
-    /// Returns the mirror image of the pad along the approach (pad x); None if the mesh is not its own mirror image.
+    /// Returns the mirror image of the pad along the approach (pad x); None if the mesh is not mirror-symmetric.
     pub fn of(pad: &PadTopology) -> Option<Self> {
         let key = |p: DVec3| p.to_array().map(|x| (x * 1e8).round() as i64);
         let corners = &pad.rest[..pad.corner_count];
@@ -81,7 +82,7 @@ impl Mirror {
         Some(Self { tets: tets.collect::<Option<_>>()?, nodes })
     }
 
-    /// Returns the identity, which moves nothing.
+    /// Returns the identity map.
     pub fn identity(pad: &PadTopology) -> Self {
         Self { nodes: (0..pad.corner_count).collect(), tets: (0..pad.elements.len()).collect() }
     }

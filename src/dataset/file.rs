@@ -1,7 +1,8 @@
-//! HDF5 file of one object: laid out once at its full size with empty rows, then filled row by row.
+//! HDF5 file of one object: created at its full size with empty rows, then filled row by row.
 //!
-//! The arrays are contiguous and uncompressed. A row has its place before its content is known, so a grasp is written by
-//! seeking there. Memory holds one grasp per thread, whatever the number of grasps, and reading is as fast as the disk.
+//! The arrays are contiguous and uncompressed. The position of a row is fixed before its content is known, so a grasp
+//! is written by seeking to it. Memory holds one grasp per thread regardless of the number of grasps, and the speed of
+//! reading is that of the disk.
 
 use super::arrays::{FORMAT, FileSizes, NumberKind, RowName};
 use super::places::{Places, Seal, vouched_for};
@@ -18,10 +19,10 @@ use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Attribute of a file that names its arrays of tactile sensors, in their order.
+/// Attribute of a file with the names of its arrays of tactile sensors, in their order.
 pub const TACTILE: &str = "tactile";
 
-/// Lays out the file of an object at `path`, whole or not at all.
+/// Creates the file of an object at `path` with empty rows, atomically.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -38,7 +39,7 @@ pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes
         for array in sizes.rows() {
             let bytes = sizes.grasps * array.bytes();
             let shape: Vec<u64> = std::iter::once(sizes.grasps).chain(array.shape).map(|n| n as u64).collect();
-            // Zeros fresh from the system take no memory until they are touched, and nobody touches them.
+            // Zeroed memory from the operating system is not allocated until it is written, and this is never written.
             builder
                 .create_dataset(array.name)
                 .with_raw_data(datatype(array.kind), vec![0; bytes], shape.iter().product())
@@ -105,7 +106,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
     builder.set_attr("gravity_m_s2", AttrValue::F64Array(gravity.to_vec()));
 }
 
-/// Adds the content that no grasp changes: pads and object.
+/// Adds the content that is the same for all grasps: pads and object.
 fn fixed(builder: &mut FileBuilder, model: &Model) {
     let [left, right] = names::PADS;
     let mut group = builder.create_group(left);
@@ -164,7 +165,7 @@ fn integers(group: &mut GroupBuilder, name: &str, about: &str, width: usize, val
     dataset.set_attr("unit", text("1")).set_attr("about", text(about));
 }
 
-/// Writer that leaves holes in the place of zeros.
+/// Writer of a sparse file: it leaves holes in place of zeros.
 struct Sparse {
     file: std::fs::File,
     length: u64,
@@ -185,7 +186,7 @@ impl Write for Sparse {
     }
 }
 
-/// Writer of rows into a laid-out file.
+/// Writer of rows into an existing file.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
@@ -196,7 +197,7 @@ impl Writer {
     /// Opens the file at `path`.
     ///
     /// # Errors
-    /// Fails if the file cannot be read or is laid out differently.
+    /// Fails if the file cannot be read or has another layout.
     pub fn open(path: &Path, sizes: &FileSizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
@@ -210,7 +211,7 @@ impl Writer {
         Ok(Seal::of(&self.path, self.places.ranges(|_| true))?.blake3)
     }
 
-    /// Returns true if the rows of a grasp are those that were written when it was recorded as finished.
+    /// Returns true if the rows of a grasp agree with its `record`.
     pub fn holds(&self, record: &Finished) -> bool {
         let rows = std::fs::File::open(&self.path).and_then(|mut file| self.places.read(&mut file, record.grasp));
         rows.is_ok_and(|rows| {
@@ -237,7 +238,7 @@ impl Writer {
     /// Fails if the file cannot be opened or written.
     pub fn write(&self, grasp: usize, rows: &GraspRows) -> Result<()> {
         let write = || {
-            // A handle of its own: several grasps may end at once.
+            // Each call opens its own handle, because several grasps may end at the same time.
             let mut file = std::fs::OpenOptions::new().write(true).open(&self.path)?;
             for (array, row) in rows.0.iter().enumerate() {
                 file.seek(SeekFrom::Start(self.places.row(array, grasp).0))?;

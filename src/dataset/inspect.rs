@@ -26,7 +26,7 @@ pub struct Thinning {
 /// Result of an inspection.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Inspection {
-    /// Summaries of the objects.
+    /// Summary of each object.
     pub objects: Vec<ObjectSummary>,
     /// Ranges over all objects.
     pub ranges: Vec<Range>,
@@ -49,9 +49,9 @@ pub struct ObjectSummary {
     pub read_grasps: usize,
     /// Number of frames that were inspected.
     pub read_frames: usize,
-    /// Number of nodes of a pad, of the larger one if they differ.
+    /// Number of nodes of a pad, or of the larger one if the pads differ.
     pub nodes: usize,
-    /// Number of tetrahedra of a pad, of the larger one if they differ.
+    /// Number of tetrahedra of a pad, or of the larger one if the pads differ.
     pub tets: usize,
 }
 
@@ -74,10 +74,10 @@ pub struct Range {
 const QUANTITIES: [&str; 6] =
     ["force_n", "travel_m", "max_displacement_m", "max_von_mises_pa", "max_contact_force_n", "object_motion_m"];
 
-/// Inspects a data set; with `pictures`, draws the last inspected frame of each grasp in that folder.
+/// Inspects a data set; with `pictures`, draws the last inspected frame of each grasp into that folder.
 ///
 /// # Errors
-/// Fails if a picture cannot be written. Damaged data is part of the result.
+/// Fails if a picture cannot be written. Damaged data is reported in the result.
 pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Result<Inspection> {
     let mut values = vec![Vec::new(); QUANTITIES.len()];
     let mut damaged: Vec<String> = set.damaged.iter().map(Error::to_string).collect();
@@ -94,7 +94,7 @@ pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Re
             nodes: file.sizes.nodes,
             tets: file.pads.iter().map(|pad| pad.elements.len()).max().unwrap_or(0),
         };
-        // A look at part of the file must not read all of it.
+        // The hash needs the whole file, so it is checked only if all grasps are inspected.
         let whole = thinning.every <= 1;
         let mut sound = true;
         for number in (0..file.sizes.grasps).step_by(thinning.every.max(1)) {
@@ -170,7 +170,7 @@ fn quantities(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> [f64; 6] {
     ]
 }
 
-/// Draws a frame as a run would draw it.
+/// Draws a frame in the style of a run.
 fn draw(file: &ObjectFile, grasp: &StoredGrasp, number: usize, k: usize, dir: &Path) -> Result<()> {
     let title = format!("{}, grasp {number:03}", file.name);
     let style = Style { title, ..Style::default() };

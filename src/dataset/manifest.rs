@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub struct Manifest {
     /// Version of the layout.
     pub format: u64,
-    /// BLAKE3 of this file without these digits; empty in older data sets.
+    /// BLAKE3 of this file with an empty checksum; empty in older data sets.
     #[serde(default)]
     pub checksum: String,
     /// Version of tactus.
@@ -25,8 +25,8 @@ pub struct Manifest {
     pub finished: bool,
     /// Description of the scene.
     pub about: String,
-    /// BLAKE3 of everything that decides the content: scenes, grasps, versions. A data set with another plan is not
-    /// continued.
+    /// BLAKE3 of everything that determines the content: scenes, grasps, splits, version of tactus. A data set with
+    /// another plan is not resumed.
     pub plan: String,
     /// Number of grasps of all objects.
     pub grasps: usize,
@@ -39,17 +39,17 @@ pub struct Manifest {
     pub splits: String,
     /// Entries of the objects.
     pub objects: Vec<ObjectEntry>,
-    /// Drawn objects that are not in the data set.
+    /// Randomly drawn objects that are excluded from the data set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOut>,
 }
 
-/// Drawn object without a grasp.
+/// Randomly drawn object that is excluded, for example because no grasp was found.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// Name of the object.
     pub name: String,
-    /// Reason why it has none.
+    /// Reason why it is excluded.
     pub reason: String,
 }
 
@@ -73,33 +73,33 @@ pub struct ObjectEntry {
     pub bytes: u64,
     /// BLAKE3 of its file; empty until it is finished.
     pub blake3: String,
-    /// Seal that reveals damage to the file without reading all of it; None until it is finished.
+    /// Seal that detects damage to the file without reading all of it; None until it is finished.
     #[serde(default)]
     pub seal: Option<Seal>,
     /// Number of grasps that reached their load.
     pub reached: usize,
-    /// Number of grasps that the object left.
+    /// Number of grasps that dropped the object.
     #[serde(default)]
     pub dropped: usize,
-    /// Number of grasps that the solver gave up.
+    /// Number of grasps that the solver could not complete.
     pub fault: usize,
     /// Number of grasps that could not start.
     pub infeasible: usize,
-    /// Notices: how the grasps were found, and what was assumed or repaired.
+    /// Notices: how the grasps were found, and assumptions and repairs.
     pub notices: Vec<String>,
     /// Grasps that did not reach their load, with the reason.
     pub failures: Vec<FailedGrasp>,
-    /// Results of the scene's promises about every recorded frame.
+    /// Verdicts on the expectations of the scene over all recorded frames.
     #[serde(default)]
     pub promises: Vec<Promise>,
 }
 
-/// Result of an expectation of the scene in the frames of all grasps.
+/// Verdict on an expectation of the scene over the frames of all grasps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
-    /// Result of the worst grasp.
+    /// Verdict on the worst grasp.
     pub worst: Verdict,
-    /// Numbers of the grasps that break the promise.
+    /// Numbers of the grasps that violate the expectation.
     pub broken_by: Vec<usize>,
 }
 
@@ -108,11 +108,11 @@ pub struct Promise {
 pub struct FailedGrasp {
     /// Number of the grasp, from 0.
     pub grasp: usize,
-    /// End of the grasp.
+    /// Status at the end of the grasp.
     pub status: Status,
-    /// Reason of the end.
+    /// Reason of this status.
     pub reason: String,
-    /// Number of valid frames; they are the first ones.
+    /// Number of valid frames, which are the first ones.
     pub frames: usize,
 }
 
@@ -123,7 +123,7 @@ impl Manifest {
     /// Reads the manifest of a data set; returns None if there is none.
     ///
     /// # Errors
-    /// Fails if the file is not a manifest, was changed or is of another version of the layout.
+    /// Fails if the file is not a manifest, was changed or has another version of the layout.
     pub fn read(dir: &Path) -> Result<Option<Self>> {
         let path = dir.join(MANIFEST);
         let fail = |message: String| Error::file(&path, message);
@@ -140,7 +140,7 @@ impl Manifest {
             ))
         })?;
         let sum = &manifest.checksum;
-        // Of an unfinished one nothing is believed but that it is of the plan that goes on.
+        // The checksum of an unfinished manifest is not needed: only its plan is used, to resume the run.
         if manifest.finished
             && !sum.is_empty()
             && blake3::hash(text.replacen(sum, "", 1).as_bytes()).to_hex().as_str() != sum
@@ -159,10 +159,10 @@ impl Manifest {
         Ok(Some(manifest))
     }
 
-    /// Sets the checksum and writes the manifest, whole or not at all.
+    /// Sets the checksum and writes the manifest atomically.
     ///
     /// # Errors
-    /// Fails if the manifest cannot be turned into JSON or the file cannot be written.
+    /// Fails if the manifest cannot be serialised or the file cannot be written.
     pub fn write(&mut self, dir: &Path) -> Result<()> {
         let path = dir.join(MANIFEST);
         let text = |own: &Self| {
@@ -197,7 +197,7 @@ impl ObjectEntry {
             f.promises.iter().for_each(|held| self.judge(f.grasp, held));
         }
     }
-    /// Adds the result of a grasp for a promise.
+    /// Adds the verdict on a grasp for one expectation.
     fn judge(&mut self, grasp: usize, held: &Verdict) {
         let broken = (!held.held).then_some(grasp);
         match self.promises.iter_mut().find(|p| p.worst.name == held.name) {

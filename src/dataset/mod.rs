@@ -1,20 +1,21 @@
-//! Data sets: many grasps of many objects, simulated in parallel, never lost, read back one grasp at a time.
+//! Data sets: many grasps of many objects, simulated in parallel, resumed after an interruption, and read one grasp at
+//! a time.
 //!
 //! ```text
 //! DIR/manifest.json                                   scene, versions, counts, failures, hashes     (manifest.rs)
 //! DIR/splits.json                                     training and test poses                       (split.rs)
-//! DIR/sensitivity.csv                                 how well posed grasps are, if asked for       (sensitivity.rs)
+//! DIR/sensitivity.csv                                 sensitivity of grasps, if requested           (sensitivity.rs)
 //! DIR/tactile_sensor.tet                              one pad                                       (compatible.rs)
-//! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses; OBJ_sensor.tet where its pads are not those above
-//! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  all frames of all grasps of one object    (arrays.rs, file.rs, places.rs)
-//! DIR/.progress/OBJ/<grasp>.json                      grasps finished so far; gone at the end       (progress.rs)
+//! DIR/dgn_dataset/OBJ/OBJ_processed.stl, OBJ_grasps.h5   object and hand poses; OBJ_sensor.tet if its pads differ
+//! DIR/dgs_output/OBJ_<density>_tactus_<E>_<nu>_<load>.h5  frames of all grasps (arrays.rs, file.rs, places.rs)
+//! DIR/.progress/OBJ/<grasp>.json                      finished grasps; removed at the end           (progress.rs)
 //! ```
 //!
-//! The layout of `dgs_output` is that of DefGraspSim's tactile grasps, which public loaders read; its arrays
-//! `_1_stacked_*` belong to that layout, all others to tactus. The file of an object is laid out once, at its full size,
-//! under a temporary name. A grasp that ends writes its rows to their place and then its record, whole or not at all. A
-//! run that is killed at any moment therefore continues from where it was and ends with the same bytes. The required disk
-//! space is known beforehand.
+//! The layout of `dgs_output` is that of DefGraspSim's tactile grasps, which public loaders read; the arrays
+//! `_1_stacked_*` belong to that layout, all others to tactus. The file of an object is created at its full size under
+//! a temporary name. At the end of a grasp its rows are written in place, followed by its record, which is written
+//! atomically. A run that is killed at any moment is therefore resumed without loss of finished grasps and produces the
+//! same bytes. The required disk space is known in advance.
 
 pub mod arrays;
 pub mod campaign;

@@ -1,5 +1,5 @@
-//! Positions of the rows of a file, and checksums of its bytes. The rows of a grasp have a checksum in the file, all other bytes have one
-//! in the manifest, so that a reader need not read more than it asks for.
+//! Positions of the rows in a file, and checksums. The rows of a grasp have a checksum in the file, and all other bytes
+//! have one in the manifest, so that a reader verifies what it reads without reading the whole file.
 
 use super::arrays::{FileSizes, RowLayout, RowName};
 use crate::error::{Error, Result};
@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Start of the rows of each array, bytes from the start of the file, and the length of one, in the order of [`FileSizes::rows`].
+/// Start of the rows of each array, bytes from the start of the file, and length of a row, in the order of
+/// [`FileSizes::rows`].
 #[derive(Debug, Clone)]
 pub struct Places {
     grasps: usize,
@@ -19,7 +20,7 @@ impl Places {
     /// Finds the rows of the file at `path`.
     ///
     /// # Errors
-    /// Fails if the file is not laid out for `sizes`; the error names the array.
+    /// Fails if the file does not have the layout for `sizes`; the error names the array.
     pub fn find(path: &Path, file: &File, sizes: &FileSizes) -> Result<Self> {
         let place = |array: RowLayout| {
             let fail = |message: String| Error::file(path, format!("array `{}`: {message}", array.name));
@@ -45,7 +46,7 @@ impl Places {
     /// Reads all rows of a grasp from an open file.
     ///
     /// # Errors
-    /// Fails if the file ends too soon.
+    /// Fails if the file is too short.
     pub fn read(&self, file: &mut std::fs::File, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
         let read = |array| {
             let (start, length) = self.row(array, grasp);
@@ -57,7 +58,8 @@ impl Places {
         (0..self.rows.len()).map(read).collect()
     }
 
-    /// Returns the bytes (start, length) of the arrays for which `pick` holds, ascending; neighbours are joined.
+    /// Returns the byte ranges (start, length) of the arrays for which `pick` holds, ascending; adjacent ranges are
+    /// joined.
     pub fn ranges(&self, pick: impl Fn(usize) -> bool) -> Vec<[u64; 2]> {
         let picked = self.rows.iter().enumerate().filter(|(array, _)| pick(*array));
         let mut all: Vec<[u64; 2]> = picked.map(|(_, (start, row))| [*start, (self.grasps * row) as u64]).collect();
@@ -71,26 +73,27 @@ impl Places {
     }
 }
 
-/// Returns true if the checksum of a grasp covers its row of this array whenever the row is read. Status and checksum are
-/// excluded, because they are read for all grasps at once, without the other rows.
+/// Returns true if rows of this array are verified by the checksum of the grasp whenever they are read. Status and
+/// checksum are excluded: the status of all grasps is read without the other rows, and a checksum does not cover
+/// itself.
 pub fn vouched_for(array: usize) -> bool {
     array != RowName::Status as usize && array != RowName::Checksum as usize
 }
 
-/// Checksum of a file without the rows that have checksums of their own: quick to read, and valid only as a whole.
+/// Checksum of the bytes of a file that are not covered by the checksums of its grasps; it is quick to verify.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Seal {
-    /// Byte ranges that are left out: start, length; ascending.
+    /// Byte ranges that are excluded (start, length; ascending).
     pub apart: Vec<[u64; 2]>,
     /// BLAKE3 of the other bytes.
     pub blake3: String,
 }
 
 impl Seal {
-    /// Computes the seal of the file at `path` without the bytes `apart` (start, length; ascending).
+    /// Computes the seal of the file at `path`, excluding the byte ranges `apart` (start, length; ascending).
     ///
     /// # Errors
-    /// Fails if the file cannot be read or does not have these bytes.
+    /// Fails if the file cannot be read or is too short for these ranges.
     pub fn of(path: &Path, apart: Vec<[u64; 2]>) -> Result<Self> {
         let hash = || {
             let mut file = std::fs::File::open(path)?;

@@ -1,5 +1,5 @@
-//! Properties of a data set that are fixed before anything runs: names and sizes of its files, and a hash of all that decides their
-//! content.
+//! Properties of a data set that are fixed before any simulation: names and sizes of its files, and a hash of
+//! everything that determines their content.
 
 use super::arrays::{FileSizes, REASON};
 use super::manifest::ObjectEntry;
@@ -24,13 +24,13 @@ pub(super) struct Planned {
     pub poses: Vec<GraspPose>,
     pub sizes: FileSizes,
     pub file: PathBuf,
-    /// Largest size of all files of the object, bytes.
+    /// Upper bound of the total size of the object's files, bytes.
     pub limit: u64,
-    /// Flag: its pads are not those of the first object.
+    /// Flag: the pads differ from those of the first object.
     pub own_pads: bool,
 }
 
-/// Pads of an object in a data set: the sizes of its file, and how far they reach, m.
+/// Pads of an object in a data set: the sizes of its file, and the bounds of a pad, m.
 #[derive(Debug, Clone)]
 pub(super) struct PlannedPads {
     pub sizes: FileSizes,
@@ -47,10 +47,11 @@ impl PlannedPads {
 }
 
 impl Planned {
-    /// Plans an object, beside the first one and its pads.
+    /// Plans an object. `first` and `pads` are scene and pads of the first object; the pads are reused if pads and
+    /// loading are equal.
     pub fn new(listed: &NamedScene, (first, pads): (&Scene, &PlannedPads)) -> Result<(Self, ObjectEntry)> {
         let mut named = listed.clone();
-        // The data set holds all of these, whatever the scene records in a run.
+        // A data set holds all of these fields, regardless of what the scene records in a run.
         named.scene.record.fields = Field::USUAL.to_vec();
         let scene = &named.scene;
         let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.right.clone(), scene.gripper.fingers);
@@ -82,22 +83,22 @@ impl Planned {
     }
 }
 
-/// Function that gives each grasp of a scene a score.
+/// Function that returns a score for each grasp of a scene.
 pub type Score<'a> = dyn Fn(&Scene, &[GraspPose]) -> Result<Vec<f64>> + Sync + 'a;
 
-/// Choice of the grasps of a data set that have the largest scores.
+/// Selection of the grasps of a data set with the largest scores.
 pub struct Selection<'a> {
-    /// Number of grasps that are kept; None is a quarter of them.
+    /// Number of grasps that are kept; None keeps a quarter of them.
     pub keep: Option<usize>,
-    /// Function that scores the grasps of a scene.
+    /// Function that computes the scores of the grasps of a scene.
     pub score: &'a Score<'a>,
 }
 
 impl Selection<'_> {
-    /// Removes all other grasps, and objects without any.
+    /// Removes all other grasps, and objects without a remaining grasp.
     ///
     /// # Errors
-    /// Fails if a score fails.
+    /// Fails if a score cannot be computed.
     pub(super) fn apply(&self, objects: &mut Vec<Planned>, entries: &mut Vec<ObjectEntry>) -> Result<()> {
         let of = |object: &Planned| {
             interrupt::check()?;
@@ -108,7 +109,7 @@ impl Selection<'_> {
             scores.iter().enumerate().flat_map(|(o, own)| own.iter().enumerate().map(move |(g, s)| (*s, o, g)));
         let mut order: Vec<(f64, usize, usize)> = grasps.collect();
         let keep = self.keep.unwrap_or_else(|| order.len().div_ceil(4));
-        // Equal scores in the order of the scene.
+        // The sort is stable: grasps with equal scores keep the order of the scene.
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
         let kept: HashSet<(usize, usize)> = order.into_iter().take(keep).map(|(_, o, g)| (o, g)).collect();
         for (o, (object, entry)) in objects.iter_mut().zip(entries.iter_mut()).enumerate() {
@@ -137,15 +138,15 @@ fn file_name(named: &NamedScene) -> String {
     format!("{name}_{density}_tactus_{}_{}_{load}.h5", spec.young, spec.poisson)
 }
 
-/// Returns the largest size of the content that does not grow with frames, bytes: headers and scene, pad, object (HDF5
-/// and STL), poses and records.
+/// Returns an upper bound of the size of the content that does not grow with the frames, bytes: headers and scene, pad,
+/// object (HDF5 and STL), poses and records.
 fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
     let pad = sizes.pads * 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
     (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
 }
 
-/// Hashes everything that decides the content.
+/// Hashes everything that determines the content.
 pub(super) fn plan_hash<'a>(
     objects: impl Iterator<Item = (&'a NamedScene, &'a [GraspPose])>,
     splits: &Splits,

@@ -1,4 +1,4 @@
-//! Records of the finished grasps: one small file each, written whole or not at all, after the grasp's rows.
+//! Records of the finished grasps: one small file each, written atomically after the rows of the grasp.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::{create_dir, write_durable};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct Finished {
     /// Number of the grasp, from 0.
     pub grasp: usize,
-    /// End of the grasp.
+    /// Status at the end of the grasp.
     pub status: Status,
     /// Reason if the load was not reached.
     pub reason: Option<String>,
@@ -21,7 +21,7 @@ pub struct Finished {
     pub frames: usize,
     /// BLAKE3 of the rows, hexadecimal.
     pub checksum: String,
-    /// Results of the scene's promises about the frames; empty if there are none.
+    /// Verdicts on the expectations of the scene about the frames; empty if there are none.
     #[serde(default)]
     pub promises: Vec<Verdict>,
 }
@@ -36,7 +36,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Returns the records kept in `dir`.
+    /// Returns the records stored in `dir`.
     pub fn of(dir: PathBuf) -> Self {
         Self { dir }
     }
@@ -51,8 +51,8 @@ impl Progress {
         write_durable(&path, format!("{text}\n{}\n", blake3::hash(text.as_bytes()).to_hex()).as_bytes())
     }
 
-    /// Returns the finished grasps below `count`. A record that cannot be read, or is not what was written, does not count: its grasp
-    /// runs again.
+    /// Returns the finished grasps with numbers below `count`. A record that cannot be read or was changed is ignored,
+    /// so that its grasp runs again.
     pub fn finished(&self, count: usize) -> BTreeMap<usize, Finished> {
         let read = |grasp: usize| {
             let content = std::fs::read_to_string(self.path(grasp)).ok()?;
@@ -91,10 +91,10 @@ impl Progress {
     }
 }
 
-/// Removes a folder with its content, if it is there.
+/// Removes a folder with its content, if it exists.
 ///
 /// # Errors
-/// Fails if the folder is there and cannot be removed.
+/// Fails if the folder exists and cannot be removed.
 pub fn remove(dir: &Path) -> Result<()> {
     match std::fs::remove_dir_all(dir) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {

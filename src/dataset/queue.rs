@@ -1,14 +1,14 @@
-//! Objects of a data set side by side, the longest first, so that all threads are busy to the end.
+//! Parallel processing of the objects of a data set, longest first, so that all threads are busy until the end.
 
 use crate::error::Result;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Calls `run` for each of `work.len()` objects, with its index and a number of threads, on `threads` threads in all. `work` is the
-/// expected work of each in any unit. Returns the results in the order of the objects.
+/// Calls `run` for each of `work.len()` objects, with its index and a number of threads, on `threads` threads in total.
+/// `work` is the expected work of each object in any unit. Returns the results in the order of the objects.
 ///
 /// # Errors
-/// Returns the first error in the order of the objects; no further object begins after one.
+/// Returns the first error in the order of the objects; after an error, no further object is started.
 pub fn longest_first<T: Send>(
     work: &[u64],
     threads: usize,
@@ -25,7 +25,7 @@ pub fn longest_first<T: Send>(
                 loop {
                     let k = next.fetch_add(1, Ordering::Relaxed);
                     let Some(&index) = order.get(k).filter(|_| !stop.load(Ordering::Relaxed)) else { return };
-                    // The last ones share the threads of those that have nothing left.
+                    // The last objects share the threads of the workers that are idle.
                     let share = (threads / (order.len() - k).min(workers)).max(1);
                     let done = run(index, share);
                     stop.fetch_or(done.is_err(), Ordering::Relaxed);
@@ -35,7 +35,7 @@ pub fn longest_first<T: Send>(
         }
     });
     let done = slots.into_iter().filter_map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
-    // One is missing only behind an error.
+    // A result is missing only after an error.
     done.collect()
 }
 

@@ -1,4 +1,4 @@
-//! Reader of the file of one object, one grasp at a time: memory holds only what is asked for.
+//! Reader of the file of one object, one grasp at a time: only requested data is held in memory.
 
 use super::arrays::{ARRAYS, FORMAT, FileSizes, RowName, TactileLayout};
 use super::file::TACTILE;
@@ -23,11 +23,11 @@ pub struct ObjectFile {
     pub path: PathBuf,
     /// Name of the object.
     pub name: String,
-    /// Sizes that fix all shapes.
+    /// Sizes that determine all shapes.
     pub sizes: FileSizes,
-    /// Scene with every default, RON: [`crate::model::Model::build`] makes the same model from it.
+    /// Scene with all defaults, RON, from which [`crate::model::Model::build`] builds the same model.
     pub scene: String,
-    /// Meshes of the pads, left first: rest positions, tetrahedra, faces; pad frame.
+    /// Meshes of the pads, left first, pad frame: reference positions, tetrahedra, faces.
     pub pads: Vec<PadTopology>,
     /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`.
     pub pad_poses: Vec<GraspPose>,
@@ -37,7 +37,7 @@ pub struct ObjectFile {
     pub object: TriMesh,
     /// Status per grasp: 0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped.
     pub status: Vec<u8>,
-    /// Numbers of the file's header: material, friction, gravity.
+    /// Numeric attributes of the file: material, friction, gravity and others.
     pub numbers: HashMap<String, Vec<f64>>,
     places: Places,
     handles: Mutex<Vec<std::fs::File>>,
@@ -46,9 +46,10 @@ pub struct ObjectFile {
 /// Frames of one grasp. Arrays are row-major, pads left first; see [`ARRAYS`] for units and frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredGrasp {
-    /// Number of valid frames; all arrays are cut to them.
+    /// Number of valid frames; all arrays are truncated to them.
     pub frames: usize,
-    /// Displacement, shape (frames, pads, nodes, 3), m, pad frame; of pads that differ, that of the smaller one ends in zeros.
+    /// Displacement, shape (frames, pads, nodes, 3), m, pad frame; if the pads differ, that of the smaller one is
+    /// padded with zeros.
     pub displacement: Vec<f32>,
     /// Contact force, shape (frames, pads, nodes, 3), N, pad frame.
     pub contact_force: Vec<f32>,
@@ -62,7 +63,8 @@ pub struct StoredGrasp {
     pub finger_position: Vec<f64>,
     /// Pose of the object, px py pz qw qx qy qz, shape (frames, 7), in the hand frame.
     pub object_pose: Vec<f64>,
-    /// Weight and push on the object: force and torque about its centre of mass, shape (frames, 6), N and N m, hand frame.
+    /// Weight and push on the object: force and torque about its centre of mass, shape (frames, 6), N and N m, hand
+    /// frame.
     pub object_load: Vec<f64>,
     /// Force and torque of the contact, shape (frames, pads, 6), N and N m, pad frame.
     pub wrench: Vec<f64>,
@@ -75,10 +77,10 @@ pub struct StoredGrasp {
 }
 
 impl ObjectFile {
-    /// Opens the file of one object; reads pads, object and status, no frame.
+    /// Opens the file of one object; reads pads, object and status, but no frame.
     ///
     /// # Errors
-    /// Fails if the file is not what `tactus dataset` writes, or is cut off.
+    /// Fails if the file was not written by `tactus dataset`, or is truncated.
     pub fn open(path: &Path) -> Result<Self> {
         let fail = |message: String| Error::file(path, message);
         let read = |e: hdf5_pure::Error| fail(format!("is not readable as HDF5: {e}"));
@@ -101,7 +103,8 @@ impl ObjectFile {
             Ok(dataset.shape().map_err(read)?.into_iter().map(|n| n as usize).collect())
         };
         let bad = |name: &str, e: hdf5_pure::Error| fail(format!("array `{name}`: {e}"));
-        // As it lies in the file, which bounds the memory it takes: a compressed array may claim any size.
+        // Only contiguous arrays are accepted: the file size bounds their memory, whereas a compressed array may claim
+        // any size.
         let plain = |name: &str, size: u64| {
             let dataset = file.dataset(name).map_err(|e| bad(name, e))?;
             let counts = dataset.shape().map_err(|e| bad(name, e))?;
@@ -134,7 +137,7 @@ impl ObjectFile {
         let tactile = seen.split(',').filter(|name| !name.is_empty()).map(|name| {
             let unit = file.dataset(name).and_then(|dataset| dataset.attrs()).map_err(|e| bad(name, e))?;
             let unit = unit.get("unit").and_then(AttrValue::as_str).unwrap_or_default().to_string();
-            // In front are grasps and frames.
+            // The first two dimensions are grasps and frames.
             Ok(TactileLayout { name: name.into(), unit, shape: shape(name)?.into_iter().skip(2).collect() })
         });
         let sizes = FileSizes {
@@ -210,7 +213,8 @@ impl ObjectFile {
         })
     }
 
-    /// Refuses pads that differ for `what` (a noun with its article), which knows them alike only; the error shows the scene's line.
+    /// Fails if the pads differ, for `what` (a noun with its article), which supports only equal pads; the error shows
+    /// the line in the scene.
     ///
     /// # Errors
     /// Fails if they differ, or if the scene cannot be read.
@@ -224,10 +228,10 @@ impl ObjectFile {
         self.status.iter().enumerate().filter(|(_, s)| **s == 1).map(|(g, _)| g)
     }
 
-    /// Reads a grasp, from any thread and in any order.
+    /// Reads a grasp; may be called from any thread and in any order.
     ///
     /// # Errors
-    /// Fails if the grasp does not exist, or its rows are not those that were written.
+    /// Fails if the grasp does not exist, or its rows are damaged.
     pub fn grasp(&self, grasp: usize) -> Result<StoredGrasp> {
         if grasp >= self.sizes.grasps {
             let message =
@@ -247,7 +251,7 @@ impl ObjectFile {
 
     /// Reads all rows of a grasp.
     fn rows(&self, grasp: usize) -> std::io::Result<Vec<Vec<u8>>> {
-        // A handle per reading thread: a handle has one position.
+        // Each concurrent read needs its own handle, because a handle has one position; handles are reused.
         let kept = self.handles.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut file = kept.map_or_else(|| std::fs::File::open(&self.path), Ok)?;
         let rows = self.places.read(&mut file, grasp);

@@ -1,4 +1,4 @@
-//! Recorder of the frames of a grasp: rows in the object's file, then a record that the grasp is finished.
+//! Recorder of the frames of a grasp: writes its rows to the file of the object, then the record that it is finished.
 
 use super::file::Writer;
 use super::progress::{Finished, Progress};
@@ -14,7 +14,7 @@ use crate::scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Observer of the progress of a data set, called from any thread.
+/// Observer of the progress of a data set; its methods are called from any thread.
 pub trait Watcher: Sync {
     /// Reports a frame of a grasp.
     fn frame(&self) {}
@@ -33,19 +33,19 @@ pub struct DatasetRecorder<'a> {
     expect: Vec<Expectation>,
     poses: &'a [GraspPose],
     topologies: Vec<&'a PadTopology>,
-    /// Map to the pads of the scene, if another mesh is simulated.
+    /// Map to the pads of the scene, if a finer mesh is simulated.
     sampling: Option<Sampling>,
     encoder: Encoder,
     writer: Writer,
     progress: &'a Progress,
     watcher: &'a dyn Watcher,
-    /// Rows of the grasps in progress.
+    /// Rows of the running grasps.
     open: Mutex<BTreeMap<usize, GraspRows>>,
 }
 
 impl<'a> DatasetRecorder<'a> {
-    /// Builds a recorder for the grasps at `poses` of an object, for frames of the model that is simulated, at the nodes of the one that is
-    /// recorded.
+    /// Creates a recorder for the grasps at `poses` of an object: frames of the model `simulated` are stored at the
+    /// nodes of the model `recorded`.
     pub fn new(
         object: &'a NamedScene,
         poses: &'a [GraspPose],
@@ -56,7 +56,7 @@ impl<'a> DatasetRecorder<'a> {
     ) -> Self {
         let sampling = (!Arc::ptr_eq(simulated, recorded)).then(|| Sampling::new(simulated, recorded.clone()));
         let topologies = recorded.fingers.iter().map(|f| f.topology.as_ref()).collect();
-        // Which grasps are reached is counted anyhow.
+        // `ReachesForce` is omitted: the statuses of the grasps are counted separately.
         let of_frames =
             object.scene.promises().into_owned().into_iter().filter(|e| !matches!(e, Expectation::ReachesForce));
         let (name, expect) = (object.name.as_str(), of_frames.collect());
@@ -73,7 +73,7 @@ impl Observer for DatasetRecorder<'_> {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
         let sampled = self.sampling.as_ref().map(|sampling| sampling.frame(frame));
         let frame = sampled.as_ref().unwrap_or(frame);
-        // A number that is not finite would ruin a training set silently.
+        // A non-finite number would silently corrupt a training set.
         record::check::frame(&self.topologies, frame)
             .map_err(|m| Error::Solver(format!("{}, grasp {index}: frame not recorded: {m}", self.name)))?;
         let mut rows = self.take(index);

@@ -1,4 +1,4 @@
-//! Rows of one grasp, filled frame by frame.
+//! Encoding of one grasp as rows, frame by frame.
 
 use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
@@ -8,15 +8,15 @@ use crate::record::{Frame, PadTopology, Status};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
-/// Encoder of frames as rows.
+/// Encoder of frames into rows.
 #[derive(Debug)]
 pub struct Encoder {
     model: Arc<Model>,
     sizes: FileSizes,
     world: World,
-    /// Mirror image of each pad.
+    /// Order in which the nodes and tetrahedra of each pad are stored for the loader.
     mirrors: Vec<Mirror>,
-    /// False if the loader's rest shape of the right pad, the mirror image of the left one, is not that of its mesh.
+    /// False if the mesh of the right pad is not the mirror image of the left one, which the loader assumes.
     pub mirrored: bool,
 }
 
@@ -25,7 +25,7 @@ pub struct Encoder {
 pub struct GraspRows(pub Vec<Vec<u8>>);
 
 impl Encoder {
-    /// Builds an encoder for grasps of `model`.
+    /// Creates an encoder for grasps of `model`.
     pub fn new(model: &Arc<Model>, sizes: FileSizes, world: World) -> Self {
         let pads: Vec<&PadTopology> = model.fingers.iter().map(|finger| finger.topology.as_ref()).collect();
         let mut mirrors: Vec<Mirror> = pads.iter().map(|pad| Mirror::identity(pad)).collect();
@@ -44,7 +44,7 @@ impl Encoder {
         rows
     }
 
-    /// Enters a frame into the rows.
+    /// Writes a frame into the rows.
     pub fn frame(&self, rows: &mut GraspRows, frame: &Frame) {
         let s = &self.sizes;
         let (k, pads) = (frame.index, s.pads);
@@ -93,17 +93,17 @@ impl Encoder {
         }
     }
 
-    /// Closes the rows with the end of the grasp and the checksum, which is returned.
+    /// Completes the rows with status, reason, number of frames and checksum; returns the checksum.
     pub fn finish(&self, rows: &mut GraspRows, status: Status, reason: &str, frames: usize) -> blake3::Hash {
         if status != Status::Reached {
-            // The loader skips a grasp without forces, and must: it takes every frame as valid.
+            // The loader takes every frame as valid and skips only grasps with zero forces.
             for (index, _) in ARRAYS.iter().enumerate().filter(|(_, a)| a.name.starts_with("_1_")) {
                 rows.0[index].fill(0);
             }
         }
         rows.integer(RowName::RecordedFrames, 0, frames as u32);
         rows.0[RowName::Status as usize][0] = code(status);
-        // Cut at a character, so that the text stays valid.
+        // Truncated at a character boundary, so that the text remains valid UTF-8.
         let end = (0..=REASON.min(reason.len())).rev().find(|&i| reason.is_char_boundary(i)).unwrap_or(0);
         rows.0[RowName::Reason as usize][..end].copy_from_slice(&reason.as_bytes()[..end]);
         let hash = checksum(&rows.0);
@@ -112,7 +112,7 @@ impl Encoder {
     }
 }
 
-/// Computes the BLAKE3 of the rows except the one that holds it.
+/// Computes the BLAKE3 of all rows except the checksum.
 pub fn checksum(rows: &[Vec<u8>]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     let others = rows.iter().enumerate().filter(|(array, _)| *array != RowName::Checksum as usize);
@@ -122,7 +122,7 @@ pub fn checksum(rows: &[Vec<u8>]) -> blake3::Hash {
     hasher.finalize()
 }
 
-/// Returns the number of a status in the file; 0 is not simulated.
+/// Returns the code of a status in the file; 0 means not simulated.
 pub fn code(status: Status) -> u8 {
     match status {
         Status::Reached => 1,
@@ -136,7 +136,7 @@ fn pose_row(p: DVec3, q: glam::DQuat) -> [f64; 7] {
     [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
 }
 
-/// Enters numbers of single precision into a row, from number `first` on.
+/// Writes single-precision numbers into a row, starting at index `first`.
 fn singles(row: &mut [u8], first: usize, values: impl Iterator<Item = f32>) {
     row[4 * first..].chunks_exact_mut(4).zip(values).for_each(|(b, v)| b.copy_from_slice(&v.to_le_bytes()));
 }

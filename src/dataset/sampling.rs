@@ -1,7 +1,8 @@
-//! Results of a finer mesh at the nodes of the pads that a scene describes.
+//! Transfer of results from a finer mesh to the nodes of the pads that a scene describes.
 //!
-//! Displacement and stress are interpolated by the shape functions of the finer mesh. A contact force is shared out among the corners of
-//! the triangle of the coarser face that it acts on, so that force and moment about the face stay what they are.
+//! Displacement and stress are interpolated by the shape functions of the finer mesh. A contact force is distributed
+//! over the corners of the triangle of the coarser face on which it acts, which preserves the resultant force and its
+//! moment about the face.
 
 use crate::distance::fields::Stencils;
 use crate::geometry::face_lookup::FaceLookup;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Sampling {
     coarse: Arc<Model>,
-    /// First node of each finer pad at rest, m, hand frame.
+    /// Reference position of the first node of each finer pad, m, hand frame.
     first: Vec<DVec3>,
     /// Map of each pad.
     pads: Vec<Arc<PadMap>>,
@@ -23,9 +24,9 @@ pub struct Sampling {
 /// Map from the nodes of a finer mesh of a pad to those of a coarser one.
 #[derive(Debug)]
 struct PadMap {
-    /// Nodes of the finer mesh with their shape functions, for each node of the coarser one.
+    /// Nodes of the finer mesh and values of their shape functions, for each node of the coarser one.
     nodes: Stencils,
-    /// Nodes of the coarser face with their parts, for each node of the finer mesh that can be pressed.
+    /// Nodes of the coarser face and their weights, for each node of the finer sensing face.
     face: Vec<(u32, [(u32, f64); 3])>,
 }
 
@@ -52,7 +53,7 @@ impl Sampling {
         Self { pads, first, coarse }
     }
 
-    /// Returns `frame` at the nodes of the coarser pads. Numbers about the whole frame stay those of the finer mesh.
+    /// Returns `frame` at the nodes of the coarser pads. Scalars of the frame remain those of the finer mesh.
     pub fn frame(&self, frame: &Frame) -> Frame {
         let maps = self.first.iter().zip(&self.pads);
         let pads = frame.pads.iter().zip(&self.coarse.fingers).zip(maps).map(|((pad, finger), (first, map))| {
@@ -79,7 +80,7 @@ impl Sampling {
                 von_mises_node,
                 von_mises_element,
                 gap: if pad.gap.is_empty() { Vec::new() } else { map.nodes.of(&pad.gap) },
-                // Images of it are made on the finer mesh.
+                // Tactile images of slip are computed on the finer mesh.
                 slip: Vec::new(),
                 contact_area: pad.contact_area,
                 wrench: pad.wrench,

@@ -1,7 +1,8 @@
-//! `sensitivity.csv`: how well posed the grasps of a data set are, as a scale for the errors of a network on them.
+//! `sensitivity.csv`: sensitivity of the grasps of a data set to small changes, as a scale for the errors of a network
+//! on them.
 //!
-//! The table has one row per change of a grasp, after a first line with the plan of the data set. A run that is killed on the way
-//! continues with the next object.
+//! The table has one row per change of a grasp, after a first line with the plan of the data set. An interrupted run is
+//! resumed at the next object.
 
 use crate::error::{Error, Result};
 use crate::files::atomic::{cannot_write, write_durable};
@@ -27,7 +28,7 @@ pub struct SensitivityRow {
     pub grasp: usize,
     /// Change that was made.
     pub change: Change,
-    /// End of the grasp with the change.
+    /// Status of the grasp with the change.
     pub status: crate::record::Status,
     /// Difference of the displacements of both pads over their norm; None unless both grasps were reached.
     pub displacement: Option<f64>,
@@ -35,7 +36,7 @@ pub struct SensitivityRow {
     pub object_m: Option<f64>,
 }
 
-/// Reads the table of a data set with this `plan`; returns an empty one if there is none.
+/// Reads the table of the data set with this `plan`; returns an empty one if there is none or it has another plan.
 ///
 /// # Errors
 /// Fails if the file is not such a table.
@@ -51,7 +52,8 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
     rows.map_err(|e| Error::file(&path, format!("is no table of sensitivities: {e}; remove it and make it again")))
 }
 
-/// Adds the first grasps of one object, at `poses`, to the `table` in `dir`, unless they are there.
+/// Measures the grasps of one object at `poses`, except those already in the `table`, and writes the extended table to
+/// `dir`.
 ///
 /// # Errors
 /// Fails if a model cannot be built, the grasps cannot be run or the table cannot be written.
@@ -91,7 +93,7 @@ pub fn add(
     write_durable(&path, &bytes)
 }
 
-/// Returns the line that ties the table to its data set.
+/// Returns the first line of the table, which identifies its data set.
 fn first_line(plan: &str) -> String {
     format!("# plan {plan}\n")
 }

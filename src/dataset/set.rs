@@ -1,4 +1,4 @@
-//! Reader of data sets, one grasp at a time: memory holds only what is asked for.
+//! Reader of data sets, one grasp at a time: only requested data is held in memory.
 //!
 //! ```no_run
 //! # fn main() -> tactus::error::Result<()> {
@@ -30,18 +30,19 @@ pub struct DataSet {
     pub manifest: Manifest,
     /// Training and test sets.
     pub splits: Splits,
-    /// Objects whose files are sound, in the order of the scene.
+    /// Objects whose files are intact, in the order of the scene.
     pub objects: Vec<ObjectFile>,
-    /// Errors of the files that are refused, by name and with the reason; the rest is usable.
+    /// Errors of the rejected files; the rest is usable.
     pub damaged: Vec<Error>,
 }
 
 impl DataSet {
-    /// Opens a finished data set and checks everything except the rows of grasps, which are checked when they are read. Object files that
-    /// are damaged are listed and do not fail.
+    /// Opens a finished data set and checks everything except the rows of grasps, which are checked when they are read.
+    /// Damaged object files are listed and are not an error.
     ///
     /// # Errors
-    /// Fails if there is no manifest, the data set is unfinished, or the manifest or the splits are unreadable or were changed.
+    /// Fails if there is no manifest, the data set is unfinished, or the manifest or the splits are unreadable or were
+    /// changed.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         let manifest = Manifest::read(dir)?.ok_or_else(|| {
@@ -70,7 +71,7 @@ impl DataSet {
         Ok(Self { dir: dir.to_path_buf(), manifest, splits, objects, damaged })
     }
 
-    /// Returns every reached grasp that a split names, as (index in [`Self::objects`], number of the grasp).
+    /// Returns every reached grasp that a split lists, as (index in [`Self::objects`], number of the grasp).
     pub fn select(&self, poses: &Poses) -> Vec<(usize, usize)> {
         let of = |(index, object): (usize, &ObjectFile)| {
             let wanted = poses.get(&object.name).cloned().unwrap_or_default();
@@ -89,7 +90,7 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     if size != entry.bytes {
         return fail(format!("has {size} bytes instead of {}: cut off or changed", entry.bytes));
     }
-    // In data sets of earlier times only the whole file has a hash.
+    // Older data sets have a hash of the whole file only.
     let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.is_on(path))?;
     if !same {
         return fail(

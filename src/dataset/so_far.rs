@@ -1,4 +1,4 @@
-//! What an unfinished data set holds so far: the records of its finished grasps, and the file with their rows.
+//! Content of an unfinished data set: the records of its finished grasps, and the file with their rows.
 
 use super::campaign::{PROGRESS, open};
 use super::manifest::ObjectEntry;
@@ -13,7 +13,7 @@ pub fn finished(dir: &Path, object: &ObjectEntry) -> BTreeMap<usize, Finished> {
     Progress::of(dir.join(PROGRESS).join(&object.name)).finished(object.grasps)
 }
 
-/// Opens the file of an object, whether it has its final name yet or not; rows of unfinished grasps fail their checksum.
+/// Opens the file of an object under its final or its temporary name; rows of unfinished grasps fail their checksum.
 ///
 /// # Errors
 /// Fails as [`ObjectFile::open`] does.

@@ -1,4 +1,4 @@
-//! Splits into training and test: poses of objects, chosen by a seed.
+//! Splits of the poses of objects into training and test sets, by a seed.
 
 use crate::random::Random;
 use crate::scene::Split;
@@ -13,27 +13,27 @@ pub type Poses = BTreeMap<String, Vec<usize>>;
 pub struct Sets {
     /// Poses for training.
     pub train: Poses,
-    /// Poses for the test.
+    /// Poses for testing.
     pub test: Poses,
 }
 
-/// Splits of a data set. They name all poses, whatever their end: read only those that were reached.
+/// Splits of a data set. They list all poses regardless of their status; only those that were reached should be read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Splits {
     /// Seed of the permutations.
     pub seed: u64,
-    /// Fraction of the poses kept for the test.
+    /// Fraction of the poses that are held out for testing.
     pub test_fraction: f64,
-    /// Split for seen objects and unseen poses: the poses of every object are divided.
+    /// Split by pose: the poses of every object are divided, so that test objects also occur in training.
     pub poses: Sets,
 }
 
 impl Splits {
-    /// Returns the splits of objects with these numbers of grasps.
+    /// Creates the splits of objects with these names and numbers of grasps.
     pub fn new(split: &Split, objects: &[(String, usize)]) -> Self {
         let mut poses = Sets::default();
         for (name, count) in objects {
-            // A stream of its own for each object: adding an object does not change the split of the others.
+            // Each object has its own random stream, so that adding an object does not change the split of the others.
             let key = blake3::hash(name.as_bytes());
             let word = key.as_bytes()[..8].iter().fold(0_u64, |word, b| word << 8 | u64::from(*b));
             let mut random = Random::new(split.seed ^ word);
@@ -49,14 +49,14 @@ impl Splits {
         Self { seed: split.seed, test_fraction: split.test.get(), poses }
     }
 
-    /// Returns the split of one object alone, for unseen poses; None if there is no such object.
+    /// Returns the split by pose of one object alone; None if there is no such object.
     pub fn single(&self, object: &str) -> Option<Sets> {
         let only = |poses: &Poses| Some(Poses::from([(object.to_string(), poses.get(object)?.clone())]));
         Some(Sets { train: only(&self.poses.train)?, test: only(&self.poses.test)? })
     }
 
-    /// Returns the split without the objects of these names, separated by commas, and those that begin with one and a `-`, for training against
-    /// these, for the test.
+    /// Returns the split by object: `families` are names separated by commas; objects of such a name, or whose name
+    /// begins with one and a `-`, are the test set, and all others the training set.
     pub fn without(&self, families: &str) -> Sets {
         let is = |name: &str, family: &str| {
             name.strip_prefix(family).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -66,7 +66,8 @@ impl Splits {
         Sets { train, test }
     }
 
-    /// Returns all poses of all objects, for training or for the test of a model that has never seen this data set.
+    /// Returns all poses of all objects as both sets, for training, or for testing a model that was trained on other
+    /// data.
     pub fn all(&self) -> Sets {
         let mut poses = self.poses.test.clone();
         for (name, train) in &self.poses.train {

@@ -3,7 +3,8 @@
 use super::fields::{Fields, Points};
 use glam::DVec3;
 
-/// Distances of one frame of a grasp from another over all pads. Relative ones are divided by the norm of the other.
+/// Distances of one frame of a grasp from another over all pads. Relative distances are divided by the norm of the
+/// other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distance {
     /// Displacement, L2 over the volume of the gel, relative.

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3Swizzles};
 use std::iter::Sum;
 use std::ops::Mul;
 
-/// Points of a pad at rest, pad frame, each representing a part of the volume.
+/// Quadrature points of an undeformed pad, pad frame, each representing a part of the volume.
 #[derive(Debug, Clone)]
 pub struct Points {
     /// Positions, m.
@@ -16,7 +16,8 @@ pub struct Points {
 }
 
 impl Points {
-    /// Places four points in each tetrahedron (Keast 1986): sums over them are integrals, exact for quadratic fields.
+    /// Places four quadrature points in each tetrahedron (Keast 1986): sums weighted by the volumes are integrals,
+    /// exact for quadratic fields.
     pub fn of(pad: &PadTopology) -> Self {
         let mut points = Self { position: Vec::new(), volume: Vec::new() };
         for nodes in pad.elements.nodes().chunks_exact(pad.elements.width()) {
@@ -44,30 +45,30 @@ pub struct Fields {
     pub travel: Vec<f64>,
 }
 
-/// Nodes of a mesh around some points, with their shape functions there.
+/// Interpolation of nodal values at some points: nodes of a mesh with the values of their shape functions.
 #[derive(Debug)]
 pub struct Stencils(Vec<Vec<(u32, f64)>>);
 
 impl Stencils {
-    /// Finds `points` in the pad's elements. A point just outside (the rim of a coarser mesh) takes the values of the nearest place in
-    /// its best element.
+    /// Locates `points` in the elements of a pad. A point slightly outside (at the rim of a coarser mesh) gets the
+    /// values of the nearest point of the element that it is least outside of.
     pub fn new(points: &[DVec3], pad: &PadTopology) -> Self {
         let tets = Tets::of(pad);
         Self(points.iter().map(|p| tets.stencil(*p)).collect())
     }
 
-    /// Returns the values at the points of a field that has `nodal` values.
+    /// Returns the values at the points of a field with `nodal` values.
     pub fn of<T: Copy + Mul<f64, Output = T> + Sum>(&self, nodal: &[T]) -> Vec<T> {
         self.0.iter().map(|stencil| stencil.iter().map(|(n, w)| nodal[*n as usize] * *w).sum()).collect()
     }
 }
 
-/// Positions of the points in a mesh.
+/// Interpolation of the fields of a frame at points.
 #[derive(Debug)]
 pub struct Probe(Stencils);
 
 impl Probe {
-    /// Finds the points in the pad's elements.
+    /// Locates the points in the elements of a pad.
     pub fn new(points: &Points, pad: &PadTopology) -> Self {
         Self(Stencils::new(&points.position, pad))
     }
@@ -86,7 +87,7 @@ impl Probe {
     }
 }
 
-/// Element with its nodes, its first corner, its bounding box and its gradients.
+/// Element with its nodes, first corner, bounding box and gradients of the shape functions.
 struct Tet<'a> {
     nodes: &'a [u32],
     first: DVec3,
@@ -94,7 +95,7 @@ struct Tet<'a> {
     rest: RestTet,
 }
 
-/// Elements of a pad, with those that each column of the pad's box may meet.
+/// Elements of a pad in a grid of columns over x and y, each with the elements that overlap it.
 struct Tets<'a> {
     all: Vec<Tet<'a>>,
     /// Lower corner and width of the columns, along x and y, m.
@@ -104,7 +105,7 @@ struct Tets<'a> {
 
 /// Number of columns along x and along y.
 const COLUMNS: usize = 32;
-/// Distance outside an element's box at which a point still counts as within it, m.
+/// Distance outside the bounding box of an element up to which a point may count as inside, m.
 const MARGIN: f64 = 1e-9;
 
 impl<'a> Tets<'a> {
@@ -133,7 +134,7 @@ impl<'a> Tets<'a> {
         [at.x, at.y].map(|c| (c.max(0.0) as usize).min(COLUMNS - 1))
     }
 
-    /// Returns nodes and shape functions of a point.
+    /// Returns nodes and values of their shape functions for a point.
     fn stencil(&self, p: DVec3) -> Vec<(u32, f64)> {
         let [x, y] = self.column(p);
         let near = self.columns[y * COLUMNS + x].iter().map(|t| &self.all[*t as usize]).filter(|t| {
@@ -145,7 +146,8 @@ impl<'a> Tets<'a> {
     }
 }
 
-/// Returns the barycentric coordinates of `p` in the tetrahedron in which it lies deepest, and the nodes of that.
+/// Returns the barycentric coordinates of `p` in the tetrahedron for which the smallest of them is largest, and its
+/// nodes.
 fn best<'a>(tets: impl Iterator<Item = &'a Tet<'a>>, p: DVec3) -> Option<([f64; 4], &'a [u32])> {
     let mut best = (f64::NEG_INFINITY, None);
     for tet in tets {
@@ -159,8 +161,8 @@ fn best<'a>(tets: impl Iterator<Item = &'a Tet<'a>>, p: DVec3) -> Option<([f64; 
     best.1
 }
 
-/// Returns nodes with the values of their shape functions at barycentric coordinates `l`, moved into the element if
-/// outside.
+/// Returns nodes with the values of their shape functions at barycentric coordinates `l`, which are moved into the
+/// element if they are outside.
 fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
     let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();

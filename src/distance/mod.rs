@@ -1,5 +1,5 @@
-//! Distance between two frames of a grasp, whatever their meshes: fields at common points (`fields.rs`), norms of differences
-//! (`apart.rs`). A bench judges settings by it, a sensitivity how well posed a grasp is.
+//! Distance between two frames of a grasp, also on different meshes: fields at common points (`fields.rs`), norms of
+//! differences (`apart.rs`). Benches use it for errors, sensitivities for the effect of changes.
 
 pub mod apart;
 pub mod fields;

@@ -1,4 +1,4 @@
-//! Check of the promises of a scene: an audit of recorded frames, and the verdict.
+//! Evaluation of the expectations of a scene: an audit of recorded frames, and verdicts.
 
 pub mod audit;
 pub mod verdict;

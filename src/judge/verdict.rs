@@ -1,4 +1,4 @@
-//! Judgement of a grasp's outcome against the promises of its scene.
+//! Evaluation of the expectations of a scene on the outcome of a grasp.
 
 use crate::judge::Findings;
 pub use crate::record::Status;
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Scalars of one grasp on which expectations are judged; the worst over its frames where frames matter. A quantity that was not
-/// measured is NaN, and no expectation about it holds.
+/// Quantities of one grasp on which expectations are evaluated, the worst over its frames if an expectation is about
+/// all frames. A quantity that was not measured is NaN, and every expectation about it fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
     /// Status at the end of the grasp.
@@ -20,34 +20,35 @@ pub struct Measured {
     pub force_n: f64,
     /// Travel of each finger after contact at the last frame, m; a missing finger is NaN.
     pub travel_m: [f64; 2],
-    /// Worst findings of the audit over all frames; None if no audit was asked for or there is no frame.
+    /// Worst findings of the audit over all frames; None if no audit was requested or there is no frame.
     pub findings: Option<Findings>,
-    /// Largest residual of forces on the object over the loading's force.
+    /// Largest residual force on the object over the applied force.
     pub force_balance: f64,
-    /// Largest residual of torques on the object over force times object size.
+    /// Largest residual torque on the object over applied force times object size.
     pub torque_balance: f64,
     /// Largest von Mises stress of the last frame, Pa.
     pub max_stress_pa: f64,
-    /// Largest motion of any point of the object relative to what holds it, m.
+    /// Largest value of `last_slip_m` in any frame, m.
     pub slip_m: f64,
-    /// Motion of this kind at the last frame, m.
+    /// Slip at the last frame: upper bound of the displacement of any point of the object relative to the hand, or to
+    /// the world without fingers, m.
     pub last_slip_m: f64,
     /// Centre of mass of the object in the world at the last frame, m.
     pub position_m: [f64; 3],
-    /// Speed of the centre of mass, m/s.
+    /// Speed of the centre of mass at the last frame, m/s.
     pub speed_m_s: f64,
     /// Normal force of the ground at the last frame, N.
     pub ground_force_n: f64,
-    /// Largest torque of the pads about the closing direction in any frame, N m.
+    /// Largest total torque of the pads about the closing direction in any frame, N m.
     pub torque_n_m: f64,
-    /// Largest change of linear or angular momentum of the object over its value at the start.
+    /// Largest change of linear or angular momentum of the object over its initial value.
     pub momentum_drift: f64,
     /// Curve of the first finger: (travel after contact, m; force, N) at each recorded frame.
     pub curve: Vec<(f64, f64)>,
 }
 
 impl Default for Measured {
-    /// Creates values of which nothing is measured.
+    /// Creates a record in which nothing is measured.
     fn default() -> Self {
         Self {
             status: Status::Infeasible,
@@ -75,19 +76,19 @@ impl Default for Measured {
 pub struct Verdict {
     /// Name of the expectation.
     pub name: Cow<'static, str>,
-    /// True if it held.
+    /// True if the expectation holds.
     pub held: bool,
-    /// Measured value, in `unit`; None if nothing was measured, or for expectations on a text.
+    /// Measured value, in `unit`; None if it was not measured, or the expectation is not about a number.
     pub value: Option<f64>,
     /// Bound that the value was compared with (the violated bound if one was), in `unit`.
     pub bound: Option<f64>,
     /// Unit: "N", "m", "Pa" or "" for ratios.
     pub unit: Cow<'static, str>,
-    /// End of the grasp, for expectations that judge it.
+    /// Status and reason at the end of the grasp, for expectations about them.
     pub detail: Option<String>,
 }
 
-/// Judges one expectation on one grasp.
+/// Evaluates one expectation on one grasp.
 pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
     let verdict = |held: bool, value: f64, bound: f64| Verdict {
         name: expectation.name().into(),
@@ -105,7 +106,7 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
         let held = m.status == status && m.reason.contains(&reason.contains);
         Verdict { detail: Some(ending(m)), ..verdict(held, f64::NAN, f64::NAN) }
     };
-    // comparisons with NaN are false, so what was not measured never holds
+    // Comparisons with NaN are false, so no expectation about an unmeasured quantity holds.
     match expectation {
         Expectation::ReachesForce => {
             Verdict { detail: Some(ending(m)), ..verdict(m.status == Status::Reached, m.force_n, f64::NAN) }
@@ -135,7 +136,7 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
             let fingers: Vec<f64> = m.travel_m.into_iter().filter(|t| !t.is_nan()).collect();
             let (held, value, bound) = fingers.iter().map(|&t| within(bounds, t)).fold(
                 (!fingers.is_empty(), f64::NAN, f64::NAN),
-                // the first violation is the one to show
+                // The first violation is reported.
                 |worst, next| if !worst.0 && !worst.1.is_nan() { worst } else { (worst.0 && next.0, next.1, next.2) },
             );
             verdict(held, value, bound)
@@ -168,7 +169,7 @@ pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
 }
 
 impl fmt::Display for Verdict {
-    /// Writes the measured value, its bound and what else is known.
+    /// Writes the measured value, its bound and the detail.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let number =
@@ -182,25 +183,27 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// Returns the verdict as a word of a report; all words are as wide.
+    /// Returns the verdict as a word of a report; all words have the same width.
     pub fn verdict(&self) -> &'static str {
         if self.held { "held    " } else { "VIOLATED" }
     }
 
-    /// Returns the distance of the value to its bound, positive inside and negative outside; +inf if there is none.
+    /// Returns the distance of the value to its bound, positive if the expectation holds and negative otherwise;
+    /// infinite if there is no value or bound.
     fn margin(&self) -> f64 {
         let far = self.value.zip(self.bound).map_or(f64::INFINITY, |(value, bound)| (value - bound).abs());
         if self.held { far } else { -far }
     }
 
-    /// Returns the worse of two, the first if they are as bad: one that does not hold, else the one nearer to its bound.
+    /// Returns the worse of two verdicts, or `self` if they are equal: a violated one, otherwise the one with the
+    /// smaller margin.
     pub fn worse(self, other: Self) -> Self {
         let order = self.held.cmp(&other.held).then(self.margin().total_cmp(&other.margin()));
         if order.is_gt() { other } else { self }
     }
 }
 
-/// Judges an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
+/// Evaluates an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
 pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Verdict {
     let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse);
     worst.unwrap_or_else(|| Verdict { held: false, ..evaluate(expectation, &Measured::default()) })
@@ -219,7 +222,7 @@ fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {
 
 /// Returns the force at a depth on the recorded curve, which starts at (0, 0); NaN beyond its end.
 fn interpolate(curve: &[(f64, f64)], depth: f64) -> f64 {
-    // an end point met up to rounding counts as met
+    // An end point that is reached up to rounding counts as reached.
     let slack = 1e-9 * depth.abs();
     let mut from = (0.0, 0.0);
     for &to in curve {

@@ -1,12 +1,13 @@
-//! Test of a point against a closed triangle surface: crossings of a ray, counted with their sign.
+//! Test whether a point is inside a closed triangle surface, by signed crossings of a ray.
 
 use crate::geometry::mesh::TriMesh;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Triangle surface sorted into columns along one generic direction, so that a ray meets only a few triangles.
+/// Triangle surface in a uniform grid of columns along a generic direction, so that a ray is tested against only a few
+/// triangles.
 #[derive(Debug)]
 pub struct Columns {
-    /// Rotation into axes in which rays run along +z; no facet of a made object is parallel to them.
+    /// Rotation into axes in which rays are parallel to +z; no facet of a generated object is parallel to them.
     turn: DMat3,
     triangles: Vec<[DVec3; 3]>,
     min: DVec2,
@@ -21,7 +22,7 @@ pub struct Columns {
 const MOST: usize = 256;
 
 impl Columns {
-    /// Creates the columns of a closed, consistently outward surface.
+    /// Creates the columns of a closed surface with outward orientation.
     pub fn new(mesh: &TriMesh) -> Self {
         let turn = DMat3::from_rotation_x(0.737) * DMat3::from_rotation_y(0.419) * DMat3::from_rotation_z(1.131);
         let triangles: Vec<_> = (0..mesh.triangles.len()).map(|t| mesh.corners(t).map(|p| turn * p)).collect();
@@ -61,7 +62,7 @@ impl Columns {
         (index(at.x), index(at.y))
     }
 
-    /// Returns true if `q` is inside: the ray from it leaves the surface more often than it enters.
+    /// Returns true if `q` is inside: the ray from it exits the surface more often than it enters.
     pub fn inside(&self, q: DVec3) -> bool {
         let q = self.turn * q;
         let (i, j) = self.place(q.truncate());
@@ -91,8 +92,9 @@ impl Columns {
     }
 }
 
-/// Returns true if a triangle of the plane covers `p`. Edges are half open and evaluated from their lower end. Of all triangles
-/// around an edge or a corner, only those on one side count: the projections tile the plane without gap or overlap.
+/// Returns true if a triangle of the plane contains `p`. Edges are half-open and evaluated from their lower end, so
+/// that of all triangles at an edge or a corner, only those on one side count: the projections tile the plane without
+/// gaps or overlaps.
 fn covers(corners: [DVec2; 3], p: DVec2) -> bool {
     let mut inside = false;
     for k in 0..3 {

@@ -1,8 +1,8 @@
 //! Elastic forces of a recorded state, from the strain energy density of the gel and the node positions alone.
 //!
-//! Stresses are difference quotients of the energy density, so a wrong derivative in the solver shows. The audit has this density, the
-//! constants of the inversion barrier and the choice of mean dilatation in common with the solver; shape functions, quadrature and
-//! assembly are its own.
+//! Stresses are difference quotients of the energy density, which reveals a wrong derivative in the solver. The audit
+//! shares with the solver this density, the constants of the inversion barrier and the choice of mean dilatation; its
+//! shape functions, quadrature and assembly are independent.
 
 use super::inversion::EDGES;
 use crate::mech::body::Body;
@@ -12,10 +12,11 @@ use crate::record::ElementNodes;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Step of the difference quotients, in the deformation gradient: truncation and rounding then both stay below 1e-9 of the shear modulus.
+/// Step of the difference quotients in the deformation gradient; truncation and rounding errors are then both below
+/// 1e-9 of the shear modulus.
 const STEP: f64 = 1e-5;
 
-/// Computes the gradient of the elastic energy of `body`, which has these `elements`, with its nodes at `x` (m): N per node.
+/// Computes the gradient of the elastic energy of `body` with `elements` and nodes at `x` (m): N per node.
 pub fn elastic_gradient(body: &Body, elements: &ElementNodes, x: &[DVec3]) -> Vec<DVec3> {
     let nodes: Vec<&[u32]> = elements.nodes().chunks_exact(elements.width()).collect();
     let forces: Vec<_> = nodes.par_iter().map(|nodes| element_gradient(body, nodes, x)).collect();
@@ -26,7 +27,8 @@ pub fn elastic_gradient(body: &Body, elements: &ElementNodes, x: &[DVec3]) -> Ve
     gradient
 }
 
-/// Volume that each node of `body` carries under a uniform body force, m3.
+/// Computes the volume that each node of `body` carries under a uniform body force (the integral of its shape
+/// function), m3.
 pub fn nodal_volume(body: &Body, elements: &ElementNodes) -> Vec<f64> {
     let (width, mut volume) = (elements.width(), vec![0.0; body.rest.len()]);
     let share = |k: usize| match (width, k) {
@@ -42,16 +44,16 @@ pub fn nodal_volume(body: &Body, elements: &ElementNodes) -> Vec<f64> {
     volume
 }
 
-/// Element at one of its points.
+/// Kinematics at a point of an element.
 struct Point {
     /// Deformation gradient.
     f: DMat3,
-    /// Gradients of the shape functions in the rest position, 1/m.
+    /// Gradients of the shape functions in the reference configuration, 1/m.
     shape: [DVec3; 10],
 }
 
 impl Point {
-    /// Evaluates an element with nodes at rest and now, m, at the barycentric coordinates `l`.
+    /// Evaluates an element with nodes at reference positions `rest` and at `x`, m, at the barycentric coordinates `l`.
     fn new(rest: &[DVec3], x: &[DVec3], l: [f64; 4]) -> Self {
         let slopes = slopes(rest.len(), l);
         let sum = |at: &[DVec3]| at.iter().zip(&slopes).fold(DMat3::ZERO, |m, (p, s)| m + outer(*p, *s));
@@ -59,7 +61,7 @@ impl Point {
         Self { f: sum(x) * inverse, shape: slopes.map(|s| inverse.transpose() * s) }
     }
 
-    /// Adds the nodal forces of the first Piola-Kirchhoff stress `p` (Pa) that fills `volume` (m3).
+    /// Adds the nodal forces of the first Piola-Kirchhoff stress `p` (Pa) in `volume` (m3).
     fn add(&self, p: DMat3, volume: f64, forces: &mut [DVec3]) {
         forces.iter_mut().zip(&self.shape).for_each(|(force, shape)| *force += p * *shape * volume);
     }
@@ -83,7 +85,7 @@ fn element_gradient(body: &Body, nodes: &[u32], x: &[DVec3]) -> Vec<DVec3> {
     let mut forces = vec![DVec3::ZERO; nodes.len()];
     for (point, (theta, direction)) in points.iter().zip(dilatation) {
         let pressure = match body.mean_dilatation {
-            // One pressure per element, and the shear modulus against fluctuations around it.
+            // One pressure per element, and at most the shear modulus as stiffness against fluctuations about the mean.
             true => slope(mean) + law.moduli().mu.min(law.volumetric(mean)[2]) * (theta - mean),
             false => slope(theta),
         };
@@ -106,7 +108,7 @@ fn element_gradient(body: &Body, nodes: &[u32], x: &[DVec3]) -> Vec<DVec3> {
     forces
 }
 
-/// Differentiates an energy density in the deformation gradient, Pa.
+/// Differentiates an energy density with respect to the deformation gradient by central differences, Pa.
 fn difference(energy: impl Fn(&DMat3) -> f64, f: &DMat3) -> DMat3 {
     let at = f.to_cols_array();
     let slope = |k: usize| {
@@ -120,8 +122,8 @@ fn difference(energy: impl Fn(&DMat3) -> f64, f: &DMat3) -> DMat3 {
     DMat3::from_cols_array(&std::array::from_fn(slope))
 }
 
-/// Barycentric coordinates of quadrature points of equal weight: the centre of a 4-node tetrahedron, the rule of degree 2 for 10 nodes
-/// (Keast 1986).
+/// Returns the barycentric coordinates of quadrature points of equal weight: the centre of a 4-node tetrahedron, the
+/// rule of degree 2 for 10 nodes (Keast 1986).
 fn quadrature(width: usize) -> Vec<[f64; 4]> {
     let inner = (5.0 - 5.0_f64.sqrt()) / 20.0;
     match width {
@@ -130,7 +132,8 @@ fn quadrature(width: usize) -> Vec<[f64; 4]> {
     }
 }
 
-/// Derivatives of the shape functions of 4 or 10 nodes in the barycentric coordinates 1 to 3, of which coordinate 0 takes up the change.
+/// Returns the derivatives of the shape functions of 4 or 10 nodes with respect to the barycentric coordinates 1 to 3;
+/// coordinate 0 is one minus their sum.
 fn slopes(width: usize, l: [f64; 4]) -> [DVec3; 10] {
     let unit = [DVec3::splat(-1.0), DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|a| match (width, a) {

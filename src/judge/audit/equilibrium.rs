@@ -1,4 +1,5 @@
-//! Check of the equilibrium of a recorded state: elastic forces of its node positions against the forces that may act on each node.
+//! Check of the equilibrium of a recorded state: elastic forces of its node positions against the external forces on
+//! each node.
 
 use super::elasticity::{elastic_gradient, nodal_volume};
 use super::penetration::PadSurface;
@@ -6,10 +7,10 @@ use crate::part::FingerModel;
 use crate::record::Frame;
 use glam::DVec3;
 
-/// Returns the largest unbalanced force of a quasi-static frame over the force of a finger. It is the largest of three kinds, none
-/// of which uses the contact of the solver: forces on nodes that can touch nothing (norm over all of them); the reaction of the
-/// mount against the load of the finger; the forces on the free surface against the recorded contact force. `gravity` is in the
-/// hand frame, m/s2.
+/// Returns the largest unbalanced force of a quasi-static frame over the force of a finger. It is the largest of three
+/// kinds, none of which evaluates the contact law of the solver: forces on nodes that cannot be in contact (norm over
+/// all of them); the reaction of the mount against the load of the finger (summed over the fingers while the object is
+/// fixed); the forces on the free surface against the recorded contact force. `gravity` is in the hand frame, m/s2.
 pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame, gravity: DVec3) -> f64 {
     let load = frame.applied_force / frame.pads.len().max(1) as f64;
     let (mut worst, mut missing) = (0.0_f64, 0.0);
@@ -26,9 +27,9 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
                 (false, false) => inside += f.length_squared(),
             }
         }
-        // All forces of the gel sum to its weight, so the mount gives what the contact takes.
+        // The elastic forces sum to zero, so the mount carries the contact force and the weight of the gel.
         let whole = weight * volume.iter().sum::<f64>();
-        // Contact on glued nodes of the rim goes straight to the mount.
+        // Contact forces on bonded nodes of the rim act directly on the mount.
         let on_mount = pad.contact_force.iter().zip(&body.fixed).filter(|(_, fixed)| **fixed).map(|(f, _)| *f);
         let on_mount: DVec3 = on_mount.sum();
         let closes = (mount + whole - on_mount).dot(finger.placement.closing);
@@ -39,7 +40,7 @@ pub fn imbalance(fingers: &[FingerModel], surfaces: &[PadSurface], frame: &Frame
         }
         missing += closes - load;
     }
-    // While the object is held, the fingers together carry what both are loaded with.
+    // While the object is fixed, only the sum over the fingers must balance their loads.
     let worst = worst.max(missing.abs());
     if worst == 0.0 { 0.0 } else { worst / load }
 }

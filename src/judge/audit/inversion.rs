@@ -3,11 +3,11 @@
 use crate::record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
 
-/// Ends of the edges whose middles are nodes 4 to 9.
+/// End nodes of the edges whose mid-edge nodes are 4 to 9.
 pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-/// Returns the smallest det F of a pad whose nodes are at `x`, m. A linear tetrahedron has one value; a 10-node one is evaluated at
-/// the corners, the middles of the edges, the four points of the rule of degree 2 and the centre.
+/// Returns the smallest det F of a pad whose nodes are at `x`, m. A linear tetrahedron has one value; a 10-node one is
+/// evaluated at the corners, the edge midpoints, the four points of the quadrature rule of degree 2 and the centre.
 pub fn min_det_f(topology: &PadTopology, x: &[DVec3]) -> f64 {
     let rest = &topology.rest;
     match &topology.elements {
@@ -30,7 +30,7 @@ pub fn min_det_f(topology: &PadTopology, x: &[DVec3]) -> f64 {
     }
 }
 
-/// Returns the barycentric coordinates at which a 10-node tetrahedron is judged.
+/// Returns the barycentric coordinates at which a 10-node tetrahedron is evaluated.
 fn points() -> Vec<[f64; 4]> {
     let mut points = vec![[0.25; 4]];
     for k in 0..4 {
@@ -45,7 +45,8 @@ fn points() -> Vec<[f64; 4]> {
     points
 }
 
-/// Computes the derivative of position in the barycentric coordinates 1 to 3 (coordinate 0 takes up their change), m.
+/// Computes the derivative of the position with respect to the barycentric coordinates 1 to 3, m; coordinate 0 is one
+/// minus their sum.
 pub(crate) fn jacobian(x: &[DVec3; 10], l: &[f64; 4]) -> DMat3 {
     let mut d: [DVec3; 4] = std::array::from_fn(|k| x[k] * (4.0 * l[k] - 1.0));
     for (e, [i, j]) in EDGES.into_iter().enumerate() {
@@ -55,7 +56,7 @@ pub(crate) fn jacobian(x: &[DVec3; 10], l: &[f64; 4]) -> DMat3 {
     DMat3::from_cols(d[1] - d[0], d[2] - d[0], d[3] - d[0])
 }
 
-/// Computes the position of a point of a 10-node tetrahedron, m.
+/// Computes the position of a 10-node tetrahedron at barycentric coordinates `l`, m.
 pub(crate) fn position(x: &[DVec3; 10], l: &[f64; 4]) -> DVec3 {
     let corners: DVec3 = (0..4).map(|k| x[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
     EDGES.into_iter().enumerate().fold(corners, |p, (e, [i, j])| p + x[4 + e] * (4.0 * l[i] * l[j]))

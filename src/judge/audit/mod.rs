@@ -1,14 +1,15 @@
-//! Independent judge of recorded frames: what a scene promises about inversion, penetration and equilibrium is checked from the
-//! node positions alone. With the solver it shares the data of a scene and the strain energy density of the gel, and no code.
+//! Independent audit of recorded frames: what a scene expects about inversion, penetration and equilibrium is checked
+//! from the node positions alone. It shares with the solver the data of a scene and the strain energy density of the
+//! gel, but not the solver's code.
 //!
-//! | promise | checked by |
+//! | expectation | checked by |
 //! |---|---|
 //! | finite | every number of the frame |
-//! | no inversion | [`inversion`]: det F at corners, edge midpoints, quadrature points and centre of every tetrahedron |
-//! | no penetration | [`penetration`]: points of the pads against [`solid`], of the object and of the other pad against the tetrahedra |
+//! | no inversion | [`inversion`]: det F at corners, edge midpoints, quadrature points and centre of each tetrahedron |
+//! | no penetration | [`penetration`]: points of pads against [`solid`], of object and other pad against tetrahedra |
 //! | converged | [`equilibrium`]: elastic forces of the recorded positions ([`elasticity`]) against the loads |
 //!
-//! A scene pays for the promises that it makes, and for no other.
+//! Apart from finiteness, only the checks that the expectations of a scene need are computed.
 
 pub mod columns;
 pub mod elasticity;
@@ -35,23 +36,24 @@ use tetrahedra::Tetrahedra;
 pub struct Findings {
     /// True if every number is finite.
     pub finite: bool,
-    /// Smallest det F; positive where nothing is inverted. NaN, like the next numbers, if no promise is about it.
+    /// Smallest det F; positive if nothing is inverted. NaN, like the penetration and the imbalance, if no expectation
+    /// is about it.
     pub min_det_f: f64,
-    /// Depth of pads and object in each other at the worst point, m; zero if they do not overlap.
+    /// Largest penetration depth of pads and object in each other, m; zero if they do not overlap.
     pub penetration: f64,
-    /// Offset of the contact law, m: nothing smaller is resolved.
+    /// Contact offset, m; smaller depths are not resolved.
     pub offset: f64,
-    /// Largest force that nothing balances, over the force of a finger.
+    /// Largest unbalanced force over the force of a finger.
     pub imbalance: f64,
 }
 
 impl Findings {
-    /// Returns true if such a state is possible: every number is finite and no element is known to be turned inside out.
+    /// Returns true if the state is admissible: every number is finite, and no element was found to be inverted.
     pub fn is_sound(&self) -> bool {
         self.finite && (self.min_det_f.is_nan() || self.min_det_f > 0.0)
     }
 
-    /// Returns the worse of both in every respect; NaN, which is not known to be good, is worse than any number.
+    /// Returns the worse value of both for every finding; NaN (not measured) is worse than any number.
     pub fn worst(self, other: Self) -> Self {
         let pick =
             |a: f64, b: f64, worse: fn(f64, f64) -> f64| if a.is_nan() || b.is_nan() { f64::NAN } else { worse(a, b) };
@@ -65,7 +67,7 @@ impl Findings {
     }
 }
 
-/// What the promises of a scene are about.
+/// Checks that the expectations of a scene need.
 #[derive(Debug)]
 struct Asked {
     inversion: bool,
@@ -73,7 +75,7 @@ struct Asked {
     equilibrium: bool,
 }
 
-/// Data of a scene that its audit needs and no frame changes.
+/// Auditor of a scene, with the data that are the same for all frames.
 #[derive(Debug)]
 pub struct Auditor {
     asked: Asked,
@@ -85,7 +87,8 @@ pub struct Auditor {
 }
 
 impl Auditor {
-    /// Creates the auditor of `promises` about the scene's object, which is `shape`, and its fingers. Contact has this `offset` (m).
+    /// Creates the auditor for the expectations `promises` about the scene's object with the geometry `shape`, and its
+    /// fingers; `offset` is the contact offset, m.
     pub fn new(
         promises: &[Expectation],
         object: &scene::Object,
@@ -105,7 +108,7 @@ impl Auditor {
         Self { asked, solid, object, pads, offset }
     }
 
-    /// Judges a frame of the same fingers; `gravity` is in the hand frame, m/s2.
+    /// Audits a frame of the same fingers; `gravity` is in the hand frame, m/s2.
     pub fn judge(&self, fingers: &[FingerModel], frame: &Frame, gravity: DVec3) -> Findings {
         let offset = self.offset;
         if !finite(frame) {
@@ -125,7 +128,7 @@ impl Auditor {
         Findings { finite: true, min_det_f, penetration, offset, imbalance }
     }
 
-    /// Returns the depth of pads and object in each other at the worst point, m.
+    /// Returns the largest penetration depth of pads and object in each other, m.
     fn penetration(&self, fingers: &[FingerModel], frame: &Frame) -> f64 {
         let inverse = frame.object_rotation.inverse();
         let placed = |p: &DVec3| inverse * (*p - frame.object_position);

@@ -1,4 +1,4 @@
-//! Depth of bodies in each other: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
+//! Penetration depth: points of a pad inside the object, of the object inside a pad, of a pad inside the other.
 
 use super::inversion::position;
 use super::solid::Solid;
@@ -9,32 +9,35 @@ use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Number of parts that an edge of a boundary face is cut into. They give other points than those at which the solver feels
-/// contact.
+/// Number of parts into which an edge of a boundary face is divided. The resulting points differ from the contact
+/// samples of the solver.
 const PARTS: usize = 6;
 
-/// Free surface of a pad: boundary faces that are not glued to the finger.
+/// Free surface of a pad: boundary faces that are not bonded to the finger.
 #[derive(Debug)]
 pub struct PadSurface {
-    /// Nodes of each face: corners and, for 10-node tetrahedra, the middles of (0,1), (1,2), (2,0); else the corners again.
+    /// Nodes of each face: corners and, for 10-node tetrahedra, the mid-edge nodes of (0,1), (1,2), (2,0); otherwise
+    /// corners again.
     faces: Vec<[u32; 6]>,
     quadratic: bool,
     /// True for each node on a free face.
     pub free: Vec<bool>,
-    /// Mean edge of the parts that a face is cut into, m.
+    /// Mean edge length of the parts into which a face is divided, m.
     pub spacing: f64,
 }
 
-/// Points of the object's surface in its own frame: vertices, and points along its edges.
+/// Points of the object's surface, object frame: vertices, and points along its edges.
 #[derive(Debug)]
 pub struct ObjectPoints(Vec<DVec3>);
 
-/// Cosine of the angle between two triangles above which their edge counts as round: the pad's own points detect it.
+/// Cosine of the angle between the normals of two triangles above which their edge counts as smooth: points of the pad
+/// detect penetration there.
 const ROUND: f64 = 0.985;
 
 impl ObjectPoints {
-    /// Collects the vertices of `surface`, and points along its edges at most `spacing` (m) apart. In the `drawing` of a round
-    /// shape, only creases get such points: its other edges are chords inside.
+    /// Collects the vertices of `surface`, and points along its edges at most `spacing` (m) apart. If the mesh only
+    /// approximates a curved surface (`drawing`), only sharp edges get such points, because the others are chords
+    /// inside the object.
     pub fn new(surface: &TriMesh, drawing: bool, spacing: f64) -> Self {
         let mut points = surface.vertices.clone();
         let mut normals = BTreeMap::new();
@@ -43,7 +46,7 @@ impl ObjectPoints {
             let normal = (b - a).cross(c - a).normalize_or_zero();
             for k in 0..3 {
                 let (i, j) = (corners[k], corners[(k + 1) % 3]);
-                // The other triangle runs along the edge the other way.
+                // The adjacent triangle has the edge in the opposite direction.
                 let Some(other) = normals.remove(&(j, i)) else {
                     normals.insert((i, j), normal);
                     continue;
@@ -87,8 +90,8 @@ impl PadSurface {
         Self { faces, quadratic, free, spacing }
     }
 
-    /// Returns the depth of the worst point of pad or object in the other, m; zero if nothing penetrates. `tets` are those of the
-    /// pad in the object's frame.
+    /// Returns the largest depth of a point of the pad in the object or of the object in the pad, m; zero if nothing
+    /// penetrates. `tets` are the tetrahedra of the pad in the object frame.
     pub fn depth(&self, tets: &Tetrahedra, solid: &Solid, object: &ObjectPoints) -> f64 {
         let x = tets.x;
         let points = x.iter().copied().chain(self.points(x)).chain(centers(tets.elements, x));
@@ -97,12 +100,12 @@ impl PadSurface {
         self.below_skin(of_object, x).max(of_pad)
     }
 
-    /// Returns the depth of the worst surface node of another pad, at `others`, in this one, m.
+    /// Returns the largest depth in this pad of the surface nodes of another pad, at `others`, m.
     pub fn depth_of_nodes(&self, tets: &Tetrahedra, others: impl Iterator<Item = DVec3>) -> f64 {
         self.below_skin(others.filter(|p| tets.contains(*p)), tets.x)
     }
 
-    /// Returns the largest distance to the free surface of points that are inside the pad, m.
+    /// Returns the largest distance to the free surface of points inside the pad, m.
     fn below_skin(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
         let mut inside = inside.peekable();
         if inside.peek().is_none() {
@@ -112,8 +115,8 @@ impl PadSurface {
         inside.map(|p| self.distance(p, &spheres, x)).fold(0.0, f64::max)
     }
 
-    /// Returns the distance of `p` to the free surface, whose faces are in `spheres`, m. Where a curved face is folded, its flat
-    /// pieces miss it by too much: pieces that are near are cut into four until they fit.
+    /// Returns the distance of `p` to the free surface, whose faces have the bounding `spheres`, m. Flat pieces
+    /// approximate a strongly curved face too coarsely, so pieces near `p` are repeatedly divided into four.
     fn distance(&self, p: DVec3, spheres: &[(DVec3, f64)], x: &[DVec3]) -> f64 {
         let away = |pieces: &[Piece]| -> Vec<f64> {
             pieces.iter().map(|piece| triangle::distance(&[piece.flat], p)).collect()
@@ -136,18 +139,19 @@ impl PadSurface {
         least(&distances)
     }
 
-    /// Returns a sphere around a face.
+    /// Returns a bounding sphere of a face.
     fn sphere(&self, face: &[u32; 6], x: &[DVec3]) -> (DVec3, f64) {
         let n = face.map(|i| x[i as usize]);
         let center = n.iter().sum::<DVec3>() / 6.0;
-        // The control points of a quadratic face are around it.
+        // A quadratic face lies in the convex hull of its Bezier control points.
         let middle =
             |m: usize, i: usize, j: usize| if self.quadratic { n[m] * 2.0 - (n[i] + n[j]) * 0.5 } else { n[m] };
         let around = [n[0], n[1], n[2], middle(3, 0, 1), middle(4, 1, 2), middle(5, 2, 0)];
         (center, around.iter().map(|p| p.distance(center)).fold(0.0, f64::max))
     }
 
-    /// Returns true if a point of the drawing belongs to the object: chords over a hollow do not.
+    /// Returns true if a point of the mesh belongs to the object; a chord across a concave part of the true surface
+    /// does not.
     fn between(&self, p: DVec3, solid: &Solid) -> bool {
         match solid {
             Solid::Surface(_) => true,
@@ -155,7 +159,7 @@ impl PadSurface {
         }
     }
 
-    /// Returns points of the free surface itself, one for each of its triangles, m.
+    /// Returns points of the free surface, one for each part of its faces, m.
     fn points<'a>(&'a self, x: &'a [DVec3]) -> impl Iterator<Item = DVec3> + 'a {
         let center = |part: [[f64; 3]; 3]| [0, 1, 2].map(|k| (part[0][k] + part[1][k] + part[2][k]) / 3.0);
         self.faces.iter().flat_map(move |face| parts().map(move |part| self.point(face, center(part), x)))
@@ -184,7 +188,8 @@ fn parts() -> impl Iterator<Item = [[f64; 3]; 3]> {
     (0..PARTS).flat_map(row)
 }
 
-/// Number of times that pieces are cut to find the distance to them: at the end their bulge is a thousandth of what it was.
+/// Number of subdivisions of the pieces near a point; they reduce the distance between flat pieces and curved face by a
+/// factor of a thousand.
 const CUTS: usize = 5;
 
 /// Piece of a face: the barycentric coordinates of its corners and the flat triangle between them.
@@ -201,7 +206,7 @@ impl Piece {
         Self { face, part, flat: part.map(|l| surface.point(&face, l, x)) }
     }
 
-    /// Returns the four pieces between its corners and the middles of its sides.
+    /// Returns the four pieces between the corners and the midpoints of the sides.
     fn quarters(&self, surface: &PadSurface, x: &[DVec3]) -> [Self; 4] {
         let [a, b, c] = self.part;
         let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
@@ -210,7 +215,8 @@ impl Piece {
     }
 }
 
-/// Returns the material centre of every tetrahedron, m. In a bent one it is not the mean of the corners, which may lie outside.
+/// Returns the material centre of every tetrahedron, m. In a curved one it is not the mean of the corners, which may
+/// lie outside.
 fn centers(elements: &ElementNodes, x: &[DVec3]) -> Vec<DVec3> {
     let node = |i: u32| x[i as usize];
     match elements {

@@ -1,5 +1,6 @@
-//! Object as a set of points: inside or not, and how deep. It comes from the scene's numbers where the shape is round, else from
-//! its surface; never from the distance functions that the contact uses.
+//! Object as a solid: whether a point is inside, and how deep. The solid is defined by the scene's dimensions for
+//! ellipsoids, boxes and capsules, otherwise by the mesh of the surface. Of the distance functions of the contact, it
+//! uses only the level set of a smooth surface.
 
 use super::columns::Columns;
 use crate::geometry::mesh::TriMesh;
@@ -12,30 +13,31 @@ use std::sync::Arc;
 /// Rigid object in its own frame.
 #[derive(Debug)]
 pub enum Solid {
-    /// Ellipsoid `|q / semi| < 1`; half axes, m.
+    /// Ellipsoid `|q / semi| < 1`; semi-axes, m.
     Ellipsoid(DVec3),
     /// Points within `radius` of a box about the origin, m.
     RoundBox {
-        /// Half edges of the box.
+        /// Half edge lengths of the box.
         core: DVec3,
         /// Radius of the rounding.
         radius: f64,
     },
-    /// Solid that a section in the half-plane (rho, z) sweeps about z.
+    /// Solid of revolution about z, given by its section in the half-plane (rho, z).
     Revolved {
         /// Outline of the section, m.
         outline: Vec<[DVec2; 2]>,
         /// Largest distance of any point from the axis, m.
         reach: f64,
     },
-    /// A closed triangle surface.
+    /// Closed triangle surface.
     Surface(Columns),
-    /// The zero level of a function near a triangle surface, which tells what is inside elsewhere.
+    /// Zero level set of a function that is defined near a triangle surface; elsewhere the triangles determine what is
+    /// inside.
     Level(Arc<LevelSet>, Columns),
 }
 
 impl Solid {
-    /// Creates the solid of the scene's object, which is `shape`.
+    /// Creates the solid of the scene's object with the geometry `shape`.
     pub fn new(object: &scene::Object, shape: &Shape) -> Self {
         let scale = object.factor();
         match &object.shape {
@@ -73,7 +75,7 @@ impl Solid {
         }
     }
 
-    /// Returns the depth of `q` inside, m; zero outside. For an ellipsoid it is of first order.
+    /// Returns the depth of `q` inside, m; zero outside. For ellipsoids and level sets it is accurate to first order.
     pub fn depth(&self, q: DVec3) -> f64 {
         match self {
             Self::Ellipsoid(semi) => {
@@ -87,7 +89,7 @@ impl Solid {
             }
             Self::Revolved { outline, reach } => {
                 let p = DVec2::new(q.x.hypot(q.y), q.z);
-                // Most points of a pad are out of reach.
+                // This skips most points of a pad.
                 if p.x <= *reach && crossings(outline, p) {
                     outline.iter().map(|s| apart(*s, p)).fold(f64::INFINITY, f64::min)
                 } else {
@@ -95,7 +97,7 @@ impl Solid {
                 }
             }
             Self::Surface(columns) => columns.depth(q),
-            // To first order; where the level is not known, the surface is far.
+            // To first order; the level is undefined only far from the surface.
             Self::Level(level, columns) => {
                 level.height(q).map_or_else(|| columns.depth(q), |height| (-height).max(0.0))
             }
@@ -103,8 +105,8 @@ impl Solid {
     }
 }
 
-/// Returns the outline of a solid of revolution in the half-plane y = 0, x >= 0, where its drawing has vertices on the true
-/// surface.
+/// Returns the outline of a solid of revolution in the half-plane y = 0, x >= 0, in which its mesh has vertices on the
+/// true surface.
 fn section(drawing: &TriMesh) -> Vec<[DVec2; 2]> {
     let size = drawing.vertices.iter().fold(0.0, |m: f64, p| m.max(p.length()));
     let on = |p: DVec3| p.y.abs() < 1e-9 * size && p.x > -1e-9 * size;
@@ -113,7 +115,7 @@ fn section(drawing: &TriMesh) -> Vec<[DVec2; 2]> {
         let corners = drawing.corners(t);
         for k in 0..3 {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            // Each edge once: its two triangles run along it in opposite senses, one of them lies at y > 0.
+            // Each edge is taken once: one of its two triangles lies at y > 0.
             if on(a) && on(b) && corners[(k + 2) % 3].y > 0.0 {
                 outline.push([a, b].map(|p| DVec2::new(p.x, p.z)));
             }

@@ -1,10 +1,10 @@
-//! Search for the tetrahedron of a deformed pad that holds a point.
+//! Search for the tetrahedron of a deformed pad that contains a point.
 
 use super::inversion::{jacobian, position};
 use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 
-/// Tetrahedra of a deformed pad, sorted into the cells of a grid to find the one that holds a point.
+/// Tetrahedra of a deformed pad, in a uniform grid to find the one that contains a point.
 pub struct Tetrahedra<'a> {
     /// Elements of the pad.
     pub elements: &'a ElementNodes,
@@ -20,7 +20,8 @@ pub struct Tetrahedra<'a> {
 
 /// Number of cells of the grid along each axis.
 const CELLS: usize = 16;
-/// Barycentric coordinate below which a point counts as outside: rounding must not call touching points inside.
+/// Barycentric coordinate below which a point counts as outside, so that rounding does not classify touching points as
+/// inside.
 const INSIDE: f64 = 1e-9;
 
 impl<'a> Tetrahedra<'a> {
@@ -32,7 +33,7 @@ impl<'a> Tetrahedra<'a> {
         };
         let boxes = elements.nodes().chunks_exact(elements.width()).map(|n| {
             let [low, high] = around(&mut n.iter().map(|&i| x[i as usize]));
-            // The edges of a bent element bulge beyond the box of its nodes by an eighth of it at most.
+            // The edges of a curved element exceed the bounding box of its nodes by at most an eighth of its size.
             let bulge = if elements.width() == 10 { (high - low) / 8.0 } else { DVec3::ZERO };
             [low - bulge, high + bulge]
         });
@@ -41,7 +42,7 @@ impl<'a> Tetrahedra<'a> {
         let cell = (high - low) / CELLS as f64;
         let (start, cells) = (vec![0; CELLS.pow(3) + 1], Vec::new());
         let mut tetrahedra = Self { elements, x, low, cell, start, cells, boxes };
-        // Counted first, so that every cell has its own part of one list.
+        // Counting sort: every cell has its own range of one list.
         let mut next = vec![0; CELLS.pow(3) + 1];
         tetrahedra.each_cell(|cell, _| next[cell + 1] += 1);
         (0..CELLS.pow(3)).for_each(|cell| next[cell + 1] += next[cell]);
@@ -55,7 +56,8 @@ impl<'a> Tetrahedra<'a> {
         tetrahedra
     }
 
-    /// Calls `visit` with every cell that the box of a tetrahedron meets.
+    /// Calls `visit` with every cell that the bounding box of a tetrahedron overlaps, and the number of the
+    /// tetrahedron.
     fn each_cell(&self, mut visit: impl FnMut(usize, u32)) {
         for (t, ends) in self.boxes.iter().enumerate() {
             let [from, to] = ends.map(|p| self.place(p));
@@ -72,7 +74,7 @@ impl<'a> Tetrahedra<'a> {
         ((p - self.low) / self.cell).to_array().map(|v| (v.max(0.0) as usize).min(CELLS - 1))
     }
 
-    /// Returns true if one of the tetrahedra holds `p`.
+    /// Returns true if one of the tetrahedra contains `p`.
     pub fn contains(&self, p: DVec3) -> bool {
         let within = |low: DVec3, high: DVec3| p.cmpge(low).all() && p.cmple(high).all();
         if !within(self.low, self.low + self.cell * CELLS as f64) {
@@ -97,7 +99,7 @@ impl<'a> Tetrahedra<'a> {
                 let mut l = DVec3::splat(0.25);
                 let full = |l: DVec3| [1.0 - l.element_sum(), l.x, l.y, l.z];
                 let off = |l: DVec3| p - position(&x, &full(l));
-                // Newton's method on the map of the element; where it leaves or fails the point is not in the element.
+                // Newton's method on the isoparametric map; if it diverges or fails, the point is not in the element.
                 for _ in 0..8 {
                     let step = jacobian(&x, &full(l)).inverse() * off(l);
                     l += step;
