@@ -11,8 +11,9 @@
 //! DIR/grasp_000/pads.png        the last frame                            (crate::render)
 //! ```
 //!
-//! Everything except `frames.csv` is written to a temporary file and renamed, so a killed run leaves complete files. Files hold no time
-//! stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Non-finite numbers are refused ([`check`]).
+//! Everything except `frames.csv` is written to a temporary file and renamed, so a killed run leaves complete files.
+//! Files hold no time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Non-finite
+//! numbers are refused ([`check`]).
 
 pub mod arrays;
 pub mod check;
