@@ -126,7 +126,7 @@ impl EnvShared {
         Ok(environment)
     }
 
-    /// Keeps a world that is no longer needed for reuse; drops the oldest if there are more than [`IDLE`].
+    /// Keeps a world that is no longer needed for reuse; drops the oldest if there are too many.
     pub fn retire(&self, environment: Environment) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.push(environment);

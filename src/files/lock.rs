@@ -118,7 +118,7 @@ impl Drop for FolderLock {
 /// Exclusive lock of a thread on a file of a folder that several threads and processes write to; released when dropped.
 #[derive(Debug)]
 pub enum Turn {
-    /// Lock of the system.
+    /// File lock of the operating system.
     System(File),
     /// Lock file used instead.
     File(LockFile),

@@ -94,7 +94,7 @@ impl Holder {
     }
 }
 
-/// Returns the folder of a file.
+/// Returns the folder of a file, `.` for a bare file name.
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// Force and torque of the contact on one pad, hand frame.
+/// Contact force and torque on one pad, hand frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
     /// Force on the pad, N.
@@ -24,7 +24,7 @@ pub struct PadFrame {
     pub position: Vec<DVec3>,
     /// Node displacements relative to the pad carried rigidly by its finger, m.
     pub displacement: Vec<DVec3>,
-    /// Contact force ON the pad, per node, N; empty if not recorded.
+    /// Nodal contact force on the pad, N; empty if not recorded.
     pub contact_force: Vec<DVec3>,
     /// Nodal von Mises stress, the volume-weighted average over the elements at the node, Pa; empty if not recorded.
     pub von_mises_node: Vec<f64>,
@@ -91,7 +91,7 @@ pub struct Frame {
     pub moving: Option<Moving>,
     /// Value of the incremental potential, J.
     pub energy: f64,
-    /// Newton iterations spent on this frame.
+    /// Number of Newton iterations of this frame.
     pub newton_iterations: u32,
     /// True while the object is held fixed.
     pub object_fixed: bool,

@@ -50,7 +50,7 @@ names! {
     OBJECT_MOTION "object_motion" "m/s, rad/s";
     /// Force of the ground on the object.
     GROUND_FORCE "ground_force_n" "N";
-    /// Force and torque of the contact on each pad.
+    /// Contact force and torque on each pad.
     WRENCH "wrench" "N, N m";
     /// Smallest fraction of the friction limit that the loads of a grasp leave unused; negative if the object slips.
     SLIP_MARGIN "slip_margin" "1";
@@ -64,7 +64,7 @@ names! {
     TORQUE_BALANCE "torque_balance" "1";
     /// Smallest det F over all elements.
     MIN_DET_F "min_det_f" "1";
-    /// Smallest gap between pads and object.
+    /// Smallest gap between the object and pads or ground.
     MIN_GAP "min_gap_m" "m";
     /// Number of Newton iterations of the frame.
     NEWTON_ITERATIONS "newton_iterations" "1";

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// End of a grasp.
+/// Outcome of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
@@ -27,7 +27,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// Returns the word for the status in reports and files.
+    /// Returns the name of the status in reports and files.
     pub fn word(self) -> &'static str {
         match self {
             Status::Reached => "reached",
@@ -43,7 +43,7 @@ impl Status {
 pub struct GraspSummary {
     /// Index of the grasp in its scene, from 0.
     pub grasp: usize,
-    /// End of the grasp.
+    /// Outcome of the grasp.
     pub status: Status,
     /// Reason if the load was not reached; otherwise `None`.
     pub reason: Option<String>,

@@ -22,7 +22,7 @@ pub enum Change {
 pub struct Moved {
     /// Change that was made.
     pub change: Change,
-    /// End of the grasp with the change.
+    /// Outcome of the grasp with the change.
     pub status: Status,
     /// L2 norm over the volume of the difference of the pad displacements, relative to their norm; None unless both
     /// grasps reach their load.

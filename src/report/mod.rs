@@ -4,7 +4,7 @@
 //! folder -> source.rs: bench | sizes | run | data set | training
 //!        -> bench.rs, run.rs, evaluation.rs, ...: Section (tables, charts) + Recording (frames of a grasp)
 //!        -> page.rs: one HTML file; table.rs also as Markdown
-//!           page/: style, viewer and charts of the page, written for it and put inside it
+//!           page/: style, viewer and charts, embedded in the page
 //! ```
 
 mod bench;

@@ -1,7 +1,7 @@
 //! Local page of results: the report of a folder, regenerated whenever the folder changes.
 //!
 //! ```text
-//! browser -> server.rs: GET of this machine alone -> content.rs: state of the folder, page of crate::report
+//! browser -> server.rs: GET from this machine only -> content.rs: state of the folder, page of crate::report
 //! ```
 
 mod content;
