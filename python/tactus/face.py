@@ -129,8 +129,8 @@ class FaceNetwork(nn.Module):
         return given, torch.sqrt(3 * (a * a + b * b + a * b + c * c + d * d + e * e) + LEAST)
 
     def forward(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor, Tensor]:
-        """Returns displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N (G, L, P, N,
-        3), in the pad frames."""
+        """Returns displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N
+        (G, L, P, N, 3), in the pad frames."""
         out = self.decode(pad, grasp, self.encode(pad, grasp))
         depth, (length, stress) = grasp["depth_m"][..., None], pad["units"].unbind()
         against, x, y = out["contact"].unbind(-1)

@@ -28,8 +28,8 @@ def actions(seed: int, env: int, steps: int, size: int) -> np.ndarray:
 def shard(
     scene: str, out: str, first: int, count: int, steps: int, seed: int = 0, settings: dict[str, Any] | None = None
 ) -> str:
-    """Rolls out the environments from `first` to `first + count` (exclusive) and writes `.npy` files: (steps + 1,
-    count, ...) per observation, (steps, count) for reward, terminated and truncated. Returns the folder."""
+    """Rolls out the environments from `first` to `first + count` (exclusive) and writes `.npy` files:
+    (steps + 1, count, ...) per observation, (steps, count) for reward, terminated and truncated. Returns the folder."""
     done = Path(out) / f"shard_{first:06}"
     if done.exists():
         return str(done)
