@@ -1,4 +1,4 @@
-//! Numbers of tactus as numpy arrays, by name.
+//! Conversion of tactus data to named NumPy arrays.
 
 use crate::refusal::refused;
 use numpy::{Element, PyArrayMethods, PyReadonlyArray2, ToPyArray};
@@ -9,7 +9,7 @@ use tactus::gripper::GraspPose;
 use tactus::model::Model;
 use tactus::record::{PadTopology, TactileArray, names};
 
-/// Enters the first numbers as an array of this shape.
+/// Adds the leading `numbers` to the dictionary as an array of this shape.
 pub fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T], shape: &[usize]) -> PyResult<()> {
     let whole: usize = shape.iter().product();
     if numbers.len() < whole {
@@ -18,7 +18,8 @@ pub fn put<T: Element + Copy>(to: &Bound<'_, PyDict>, name: &str, numbers: &[T],
     to.set_item(name, numbers[..whole].to_pyarray(to.py()).reshape(shape.to_vec())?)
 }
 
-/// The arrays of tactile sensors by name, each with the shape of its frames; `frames`: all arrays of one frame after the other.
+/// Returns the arrays of tactile sensors by name, each with the frames as first dimension; `frames` holds the arrays of
+/// each frame.
 pub fn tactile<'py>(py: Python<'py>, frames: &[&[TactileArray]]) -> PyResult<Bound<'py, PyDict>> {
     let to = PyDict::new(py);
     for (k, array) in frames.first().into_iter().flat_map(|first| first.iter().enumerate()) {
@@ -29,12 +30,12 @@ pub fn tactile<'py>(py: Python<'py>, frames: &[&[TactileArray]]) -> PyResult<Bou
     Ok(to)
 }
 
-/// Coordinates of vectors, one after the other.
+/// Returns the coordinates of vectors as a flat list.
 pub fn flat(vectors: &[glam::DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(|x| x.to_array()).collect()
 }
 
-/// Poses of the hand from rows of Python.
+/// Parses hand poses from the rows of an array; normalises the quaternions.
 pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
     let hand = |row: Vec<f64>| {
         let sound = row.len() == 7 && row.iter().all(|v| v.is_finite()) && row[3..] != [0.0; 4];
@@ -46,7 +47,7 @@ pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
     hands.ok_or_else(|| refused(what))
 }
 
-/// The pads of a model, left first: topology and place of each.
+/// Returns mesh and pose of each pad of a model, left first.
 pub fn pads<'py>(py: Python<'py>, model: &Model) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let pad = |finger: &tactus::part::FingerModel| {
         pad(py, &finger.topology, &finger.placement.pose(), finger.placement.closing)
@@ -54,7 +55,7 @@ pub fn pads<'py>(py: Python<'py>, model: &Model) -> PyResult<Vec<Bound<'py, PyDi
     model.fingers.iter().map(pad).collect()
 }
 
-/// Topology and place of a pad.
+/// Returns mesh and pose of a pad.
 pub fn pad<'py>(
     py: Python<'py>,
     topology: &PadTopology,
@@ -72,7 +73,7 @@ pub fn pad<'py>(
     Ok(to)
 }
 
-/// The surface of an object.
+/// Returns the surface of an object.
 pub fn surface<'py>(py: Python<'py>, mesh: &TriMesh) -> PyResult<Bound<'py, PyDict>> {
     let to = PyDict::new(py);
     put(&to, names::VERTICES, &flat(&mesh.vertices), &[mesh.vertices.len(), 3])?;
@@ -80,7 +81,7 @@ pub fn surface<'py>(py: Python<'py>, mesh: &TriMesh) -> PyResult<Bound<'py, PyDi
     Ok(to)
 }
 
-/// Indices as numpy has them.
+/// Converts indices to the integer type of NumPy.
 fn whole(indices: &[u32]) -> Vec<i64> {
     indices.iter().map(|i| i64::from(*i)).collect()
 }

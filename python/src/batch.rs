@@ -1,4 +1,4 @@
-//! `tactus::env::BatchEnv` for Python: writes into arrays that the caller owns, with the interpreter's lock released.
+//! `tactus::env::BatchEnv` for Python: writes into arrays owned by the caller; the GIL is released during work.
 
 use crate::refusal::refused;
 use crate::supervise::supervise;
@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
 use tactus::scene::{Gnn, StepperChoice, load_set};
 
-/// Environments of one scene.
+/// Batch of environments of one scene.
 #[pyclass(frozen)]
 pub struct Batch {
     env: Arc<Mutex<BatchEnv>>,
@@ -18,7 +18,7 @@ pub struct Batch {
     num_envs: usize,
 }
 
-/// An array to write observations to.
+/// Output array.
 type Out<'py> = PyReadwriteArray1<'py, f32>;
 
 #[pymethods]
@@ -57,18 +57,19 @@ impl Batch {
         Ok(Self { env: Arc::new(Mutex::new(env)), names, num_envs })
     }
 
-    /// (name, shape, unit, low, high) of every observation of one environment.
+    /// Returns (name, shape, unit, low, high) of every observation of one environment.
     fn observation_spec(&self) -> PyResult<Vec<(String, Vec<usize>, String, f32, f32)>> {
         let spec = self.lock()?.observation_spec().into_iter();
         Ok(spec.map(|s| (s.name, s.shape, s.unit, s.low, s.high)).collect())
     }
 
-    /// Numbers of an action.
+    /// Returns the number of components of an action.
     fn action_size(&self) -> PyResult<usize> {
         Ok(self.lock()?.action_spec().size())
     }
 
-    /// With `seeds` (one per environment; None goes on) or `seed` (of all) the first episodes.
+    /// Starts the first episodes of `seeds` (one per environment; None starts the next episode) or of `seed` (for the
+    /// whole batch); without seeds the next episodes.
     fn reset(
         &self,
         py: Python<'_>,
@@ -87,7 +88,7 @@ impl Batch {
         self.write(out, false)
     }
 
-    /// Writes observations, then reward, terminated and truncated (as 0 and 1).
+    /// Takes one step; writes observations, reward, terminated and truncated.
     #[allow(clippy::too_many_arguments, reason = "one array each")]
     fn step(
         &self,
@@ -108,37 +109,37 @@ impl Batch {
         self.write(out, false)
     }
 
-    /// Writes the last observations of the episodes that the step ended and followed by new ones.
+    /// Writes the final observations of the episodes that ended in the last step.
     fn final_obs(&self, out: Vec<Out>) -> PyResult<()> {
         self.write(out, true)
     }
 
-    /// What the rewards were made of: (held, slip, slipped, margin, stress, force, load) per environment.
+    /// Returns (held, slip, slipped, margin, stress, force, load) per environment, from which rewards are computed.
     fn info(&self) -> PyResult<Vec<(bool, f64, f64, f64, f64, f64, f64)>> {
         let env = self.lock()?;
         let info = env.view().info().iter();
         Ok(info.map(|i| (i.held, i.slip, i.slipped, i.margin, i.stress, i.force, i.load)).collect())
     }
 
-    /// Why an environment has no state for this step; None where it has.
+    /// Returns, per environment, the reason why there is no state for this step; None if there is one.
     fn faults(&self) -> PyResult<Vec<Option<String>>> {
         let env = self.lock()?;
         Ok((0..self.num_envs).map(|i| env.view().fault(i).map(str::to_string)).collect())
     }
 
-    /// Name of the object that each environment holds.
+    /// Returns the object name of each environment.
     fn held_objects(&self) -> PyResult<Vec<Option<String>>> {
         let env = self.lock()?;
         Ok((0..self.num_envs).map(|i| env.episode(i).map(|(name, _)| name.to_string())).collect())
     }
 
-    /// Seed that each environment's episodes are drawn by.
+    /// Returns the seed of the episodes of each environment.
     fn seeds(&self) -> PyResult<Vec<u64>> {
         let env = self.lock()?;
         Ok((0..self.num_envs).map(|i| env.key(i).seed).collect())
     }
 
-    /// Whether each environment was reset.
+    /// Returns, per environment, true if it has been reset.
     fn begun(&self) -> PyResult<Vec<bool>> {
         let env = self.lock()?;
         Ok((0..self.num_envs).map(|i| env.begun(i)).collect())
@@ -157,19 +158,19 @@ impl Batch {
         self.write(out, false)
     }
 
-    /// The picture of an environment: (height, width, 3).
+    /// Renders an environment: (height, width, 3).
     fn render<'py>(&self, py: Python<'py>, env: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.check(env)?;
         let picture = self.work(py, move |batch| batch.render(env))?;
         let (height, width) = (picture.height() as usize, picture.width() as usize);
-        // The page is opaque.
+        // The alpha channel is always opaque.
         let rgb: Vec<u8> = picture.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         rgb.to_pyarray(py).reshape([height, width, 3])
     }
 }
 
 impl Batch {
-    /// Does `work` on the environments, on a thread that a signal can end.
+    /// Runs `work` on the environments in a thread that signals can interrupt.
     fn work<T, E>(
         &self,
         py: Python<'_>,
@@ -210,5 +211,5 @@ impl Batch {
     }
 }
 
-/// What is said of environments that a panic has left in the middle of something.
+/// Message about environments whose lock was poisoned by a panic.
 const BROKEN: &str = "an earlier call made a mistake inside tactus; make the environments anew";

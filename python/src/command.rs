@@ -1,4 +1,4 @@
-//! Commands of the command line for Python: the same code, in this process.
+//! Commands of the command line for Python, run in this process.
 
 use crate::progress::{Level, Progress};
 use crate::supervise::watch;
@@ -9,7 +9,7 @@ use tactus::cli::{Cli, Console};
 use tactus::error::{Error, Result};
 use tactus::limits::machine_threads;
 
-/// Keeps what a command says.
+/// Console that stores the output of a command.
 #[derive(Default)]
 struct Kept {
     report: Mutex<String>,
@@ -39,7 +39,7 @@ impl Console for Kept {
 }
 
 impl Kept {
-    /// Reads the bar.
+    /// Copies the state of the progress bar.
     fn look(&self) {
         if let Some(bar) = &*self.bar.lock().unwrap_or_else(PoisonError::into_inner) {
             self.news.expect(bar.length().unwrap_or(0) as usize);
@@ -48,8 +48,8 @@ impl Kept {
     }
 }
 
-/// Runs a command with these arguments: its exit code, and what it prints on stdout. `typed`: errors name its options as they are typed,
-/// not as arguments of Python.
+/// Runs a command with these arguments; returns its exit code and standard output. If `typed`, errors name the
+/// command-line options, otherwise the arguments of Python.
 #[pyfunction]
 pub fn command<'py>(
     py: Python<'py>,
@@ -77,7 +77,7 @@ pub fn command<'py>(
     Ok((code, report))
 }
 
-/// What clap says, without its advice on the command line.
+/// Returns the message of clap without its advice on the command line.
 fn unusable(text: &str) -> String {
     let before = |mark| text.split(mark).next();
     let first = before("\n\nUsage:").into_iter().chain(before("\n\nFor more information")).min_by_key(|t| t.len());

@@ -1,4 +1,4 @@
-//! Data sets as numpy arrays, one grasp at a time.
+//! Data sets as NumPy arrays, one grasp at a time.
 
 use crate::arrays::{pad, put, surface};
 use crate::refusal::refused;
@@ -12,7 +12,7 @@ use tactus::error::Error;
 use tactus::record::names;
 use tactus::scene::load_set;
 
-/// A data set on disk.
+/// Data set on disk.
 #[pyclass(frozen)]
 pub struct Files(Arc<dataset::DataSet>);
 
@@ -23,24 +23,24 @@ impl Files {
         Ok(Self(Arc::new(supervise(py, Some(1), move || dataset::DataSet::open(folder))?)))
     }
 
-    /// Why objects were left out, a sentence each.
+    /// Returns the reasons why objects are excluded, one sentence each.
     fn damaged(&self) -> Vec<String> {
         self.0.damaged.iter().map(Error::to_string).collect()
     }
 
-    /// Name, number of grasps and numbers of those that reached their load, of each object.
+    /// Returns the name, the number of grasps and the indices of the grasps that reached their load, for each object.
     fn objects(&self) -> Vec<(String, usize, Vec<usize>)> {
         self.0.objects.iter().map(|o| (o.name.clone(), o.sizes.grasps, o.reached().collect())).collect()
     }
 
-    /// (object, grasp) of the training or the test set of a split.
+    /// Returns (object, grasp) of the training or the test set of the split by poses.
     fn split(&self, test: bool) -> Vec<(String, usize)> {
         let sets = &self.0.splits.poses;
         let chosen = self.0.select(if test { &sets.test } else { &sets.train });
         chosen.into_iter().map(|(object, grasp)| (self.0.objects[object].name.clone(), grasp)).collect()
     }
 
-    /// The arrays of a grasp.
+    /// Returns the arrays of a grasp.
     fn grasp<'py>(&self, py: Python<'py>, object: &str, grasp: usize) -> PyResult<Bound<'py, PyDict>> {
         let at = self.index(object)?;
         let set = self.0.clone();
@@ -63,19 +63,19 @@ impl Files {
         Ok(arrays)
     }
 
-    /// The pads of an object, left first.
+    /// Returns the pads of an object, left first.
     fn pads<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let file = &self.0.objects[self.index(object)?];
         let placed = file.pads.iter().zip(&file.pad_poses).zip(&file.closing);
         placed.map(|((mesh, pose), closing)| pad(py, mesh, pose, *closing)).collect()
     }
 
-    /// The surface of an object.
+    /// Returns the surface of an object.
     fn surface<'py>(&self, py: Python<'py>, object: &str) -> PyResult<Bound<'py, PyDict>> {
         surface(py, &self.0.objects[self.index(object)?].object)
     }
 
-    /// The scene of an object as RON.
+    /// Returns the scene of an object as RON.
     fn scene(&self, object: &str) -> PyResult<String> {
         Ok(self.0.objects[self.index(object)?].scene.clone())
     }
@@ -89,8 +89,8 @@ impl Files {
     }
 }
 
-/// Makes part (i, n) of a data set, i from 0 to n - 1, and returns how many grasps ran; without a part what is left of it, and
-/// closes it.
+/// Computes part (i, n) of a data set, i from 0 to n - 1; without a part, the remaining grasps, and finishes the data
+/// set. Returns the number of computed grasps.
 #[pyfunction]
 pub fn make(
     py: Python<'_>,

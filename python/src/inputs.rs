@@ -1,4 +1,4 @@
-//! What the face network sees of a scene's grasps, as numpy arrays: for the same network in PyTorch.
+//! Inputs of the face network for the grasps of a scene, as NumPy arrays, for its PyTorch implementation.
 
 use crate::arrays::{hands, put};
 use crate::refusal::{raised, refused};
@@ -14,13 +14,13 @@ use tactus::net::infer::inputs::Array;
 use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
 use tactus::scene::{Overrides, load_object};
 
-/// Weights of a face network, by folder or name: the bytes of a safetensors file.
+/// Returns the weights of a face network, given by folder or name, as the bytes of a safetensors file.
 #[pyfunction]
 pub fn face_weights<'py>(py: Python<'py>, model: &str) -> PyResult<Bound<'py, PyBytes>> {
     Ok(PyBytes::new(py, &weights(model.as_ref()).map_err(raised)?))
 }
 
-/// Scene of one object as a face network sees it.
+/// Inputs of a face network for the scene of one object.
 #[pyclass(frozen)]
 pub struct FaceInputs {
     inputs: Arc<SceneInputs>,
@@ -28,7 +28,7 @@ pub struct FaceInputs {
     threads: usize,
 }
 
-/// Arrays of grasps, their derivatives, the numbers of the grasps, and reasons by the numbers of the others.
+/// Arrays of grasps, their derivatives, indices of these grasps, and failure reasons of the others by index.
 type Looked<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<usize>, Bound<'py, PyDict>);
 
 #[pymethods]
@@ -53,7 +53,7 @@ impl FaceInputs {
         Ok(Self { inputs: Arc::new(inputs), poses: poses.iter().map(GraspPose::row).collect(), threads })
     }
 
-    /// Poses of the scene's grasps (G, 7), force under each load (F), N, and friction.
+    /// Returns the grasp poses of the scene (G, 7), the force at each load level (F), N, and friction.
     fn usual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let ((force, friction), out) = (self.inputs.usual(), PyDict::new(py));
         put(&out, "poses", self.poses.as_flattened(), &[self.poses.len(), 7])?;
@@ -62,7 +62,7 @@ impl FaceInputs {
         Ok(out)
     }
 
-    /// Arrays that all grasps share.
+    /// Returns the arrays shared by all grasps.
     fn pad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (pad, out) = (self.inputs.pad(), PyDict::new(py));
         for array in &pad.indices {
@@ -73,8 +73,9 @@ impl FaceInputs {
         Ok(out)
     }
 
-    /// Arrays of the grasps at `poses` (G, 7) under `force` (G, F) with `friction` (G): (G, ...); their derivatives along the `changes`
-    /// that are numbered: (G, changes, ...); the numbers of the grasps that have an answer, and the reasons of the others by number.
+    /// Returns the arrays (G, ...) of the grasps at `poses` (G, 7) under `force` (G, F) with `friction` (G); their
+    /// derivatives (G, changes, ...) along the changes with these indices; the indices of the grasps that succeeded,
+    /// and the failure reasons of the others by index.
     fn grasps<'py>(
         &self,
         py: Python<'py>,

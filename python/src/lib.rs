@@ -1,4 +1,4 @@
-//! Python bindings of tactus: the compiled half of the package `tactus`.
+//! Python bindings of tactus: the compiled part of the package `tactus`.
 
 mod arrays;
 mod batch;

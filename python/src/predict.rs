@@ -1,4 +1,4 @@
-//! A network's answers to many grasps, as numpy arrays.
+//! Predictions of a network for many grasps, as NumPy arrays.
 
 use crate::arrays::{hands, pads, surface};
 use crate::supervise::supervise;
@@ -15,11 +15,11 @@ use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
 use tactus::scene::{Overrides, load_object};
 
-/// Predictions for Python: arrays, pads, object, the reason of each grasp that has no answer, by its number, and notices.
+/// Predictions for Python: arrays, pads, object, failure reasons by grasp index, and notices.
 type Predictions<'py> =
     (Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Bound<'py, PyDict>, Vec<String>);
 
-/// Predicts the grasps of a scene, or at `poses`.
+/// Predicts the grasps of a scene, or those at `poses`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the names are Python's")]
 pub fn predict<'py>(

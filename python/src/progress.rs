@@ -1,17 +1,17 @@
-//! What is told in the caller's thread while work lasts: progress to a callback, notes to the logger `tactus`.
+//! Reporting in the thread of the caller during work: progress to a callback, messages to the logger `tactus`.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Weight of a note.
+/// Log level of a message.
 #[derive(Clone, Copy)]
 pub enum Level {
     Info,
     Warning,
 }
 
-/// News of work under way.
+/// Progress and messages of running work.
 #[derive(Default)]
 pub struct Progress {
     done: AtomicUsize,
@@ -20,28 +20,28 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Says how much there is to do.
+    /// Sets the total amount of work.
     pub fn expect(&self, of: usize) {
         self.of.store(of, Ordering::SeqCst);
     }
 
-    /// Says how much of it is done.
+    /// Sets the amount of finished work.
     pub fn reach(&self, done: usize) {
         self.done.store(done, Ordering::SeqCst);
     }
 
-    /// Says that one more part is done.
+    /// Increments the amount of finished work.
     pub fn advance(&self) {
         self.done.fetch_add(1, Ordering::SeqCst);
     }
 
-    /// Adds a note.
+    /// Adds a message.
     pub fn note(&self, level: Level, text: &str) {
         let text = text.strip_prefix("note: ").unwrap_or(text).to_string();
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push((level, text));
     }
 
-    /// Logs what was noted, and calls `callback` with (done, of how many) if that has changed since `told`.
+    /// Logs the pending messages, and calls `callback` with (done, total) if that has changed since `told`.
     pub fn tell(
         &self,
         py: Python<'_>,
@@ -56,7 +56,7 @@ impl Progress {
                     Level::Info => "info",
                     Level::Warning => "warning",
                 };
-                // As an argument, since a text may hold a percent sign.
+                // Passed as an argument, because the text may contain a percent sign.
                 logger.call_method1(method, ("%s", text))?;
             }
         }

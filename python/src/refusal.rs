@@ -1,4 +1,4 @@
-//! Refusals of tactus as exceptions of Python.
+//! Conversion of tactus errors to Python exceptions.
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -6,19 +6,20 @@ use std::fmt::Display;
 use std::io::ErrorKind;
 use tactus::error::Error;
 
-/// Exception for what is refused.
+/// Python exception of a tactus error.
 pub struct Refusal(pub PyErr);
 
 impl From<Error> for Refusal {
-    /// Turns a file that the operating system refuses into the `OSError` of its kind, like `FileNotFoundError`, and all else into a
-    /// `ValueError` with the message as it is; of an argument with its name in Python.
+    /// Converts a file error of the operating system to the corresponding `OSError`, e.g. `FileNotFoundError`, and any
+    /// other error to a `ValueError` with the same message; command-line options in it are replaced by Python argument
+    /// names.
     fn from(error: Error) -> Self {
         let number = match &error {
             Error::File { kind: Some(kind), .. } => number(*kind),
             _ => None,
         };
         Self(match (error, number) {
-            // Python chooses the subclass by the number.
+            // Python selects the subclass by the error number.
             (Error::File { path, message, .. }, Some(number)) => PyOSError::new_err((number, message, path)),
             (Error::Argument(text), _) => refused(format!("error: {}", named(&text))),
             (error, _) => refused(error),
@@ -48,7 +49,7 @@ pub fn raised(error: Error) -> PyErr {
     Refusal::from(error).into()
 }
 
-/// Returns POSIX's number of an error, as the module `errno` has it.
+/// Returns the POSIX error number, as in the module `errno`.
 fn number(kind: ErrorKind) -> Option<i32> {
     match kind {
         ErrorKind::NotFound => Some(2),
@@ -62,7 +63,7 @@ fn number(kind: ErrorKind) -> Option<i32> {
     }
 }
 
-/// Returns the text with options of the command line as arguments of Python: `--max-time` is `max_time`.
+/// Replaces command-line options by argument names of Python: `--max-time` becomes `max_time`.
 fn named(text: &str) -> String {
     let mut parts = text.split("--");
     let mut said = parts.next().unwrap_or_default().to_string();

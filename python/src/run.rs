@@ -1,4 +1,4 @@
-//! Simulated grasps, as numpy arrays.
+//! Simulated grasps, as NumPy arrays.
 
 use crate::arrays::{flat, pads, put, surface, tactile};
 use crate::progress::{Level, Progress};
@@ -17,7 +17,7 @@ use tactus::run::{Observer, Outcome};
 use tactus::scene::{Backend, Overrides, load_object};
 use tactus::simulate::Simulation;
 
-/// Keeps the frames of every grasp, of which `numbers` has the numbers, and says how many have ended.
+/// Observer that stores the frames of each grasp (with indices `numbers`) and reports finished grasps.
 struct Keep {
     numbers: Vec<usize>,
     frames: Vec<Mutex<Vec<Frame>>>,
@@ -37,7 +37,8 @@ impl Observer for Keep {
     }
 }
 
-/// A run for Python: content of `run.json`, whether all is as it should be, notices, wall time, meshes, and the arrays of each grasp.
+/// Run for Python: content of `run.json`, overall success, notices, wall time, pads, object, and the arrays of each
+/// grasp.
 type Run<'py> = (String, bool, Vec<String>, f64, Vec<Bound<'py, PyDict>>, Bound<'py, PyDict>, Vec<Bound<'py, PyDict>>);
 
 /// Simulates grasps of a scene.
@@ -114,7 +115,7 @@ pub fn run<'py>(
     ))
 }
 
-/// The arrays of a grasp, by name; what is not recorded is left out.
+/// Returns the arrays of a grasp by name, without those that are not recorded.
 fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame]) -> PyResult<Bound<'py, PyDict>> {
     let to = PyDict::new(py);
     let (count, pads) = (frames.len(), model.fingers.len());

@@ -1,5 +1,5 @@
-//! Long work for Python: on a thread of its own, without the interpreter's lock. What a signal handler raises in the
-//! meantime, as Ctrl-C does, ends it.
+//! Execution of long work for Python in a separate thread without the GIL. An exception raised by a signal handler in
+//! the meantime, e.g. by Ctrl-C, interrupts the work.
 
 use crate::refusal::Refusal;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
@@ -12,12 +12,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tactus::interrupt;
 
-/// How often signals are looked at.
+/// Interval between checks for signals.
 const TICK: Duration = Duration::from_millis(50);
-/// How long work that was asked to end is waited for; after that it ends alone.
+/// Maximum waiting time for interrupted work, which afterwards ends on its own.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// Work under way in a process. The stop flag is for all of it: it stands until the last one has ended.
+/// Number of running works in a process. They share the interruption flag, which stays set until the last one has
+/// ended.
 struct Count {
     process: u32,
     works: usize,
@@ -25,7 +26,7 @@ struct Count {
 
 static COUNT: Mutex<Count> = Mutex::new(Count { process: 0, works: 0 });
 
-/// The count of this process: a fork takes no work along.
+/// Returns the count of this process, reset after a fork, because a forked process inherits no work.
 fn count() -> MutexGuard<'static, Count> {
     let mut count = COUNT.lock().unwrap_or_else(PoisonError::into_inner);
     if count.process != std::process::id() {
@@ -35,11 +36,11 @@ fn count() -> MutexGuard<'static, Count> {
     count
 }
 
-/// Counts as work under way.
+/// Guard that counts one running work.
 struct Work;
 
 impl Work {
-    /// Begins, once all that was asked to end has ended; None if this one is `given_up` before.
+    /// Waits until all interrupted work has ended, then counts this one; None if it is `given_up` before.
     fn begin(given_up: &AtomicBool) -> Option<Self> {
         while !given_up.load(Ordering::SeqCst) {
             let mut count = count();
@@ -64,14 +65,14 @@ impl Drop for Work {
     }
 }
 
-/// Asks what is under way to end.
+/// Requests the interruption of all running work.
 fn request() {
     if count().works > 0 {
         interrupt::request();
     }
 }
 
-/// How work went.
+/// Outcome of work.
 enum Done<T> {
     Good(T),
     Refused(Refusal),
@@ -79,11 +80,11 @@ enum Done<T> {
     Panicked(String),
 }
 
-/// Does `work`, on `threads` threads of its own where it does not bring any.
+/// Runs `work` in a new pool of `threads` threads; None if it brings its own threads.
 ///
 /// # Errors
-/// The exception of what `work` refuses; what a signal handler raises; `KeyboardInterrupt` in threads beside the one that
-/// a signal came to; `RuntimeError` for a mistake of tactus itself.
+/// Fails with the exception of an error of `work`; with an exception raised by a signal handler; with
+/// `KeyboardInterrupt` in threads other than the one that received the signal; with `RuntimeError` after a panic.
 pub fn supervise<T, E>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -96,10 +97,11 @@ where
     watch(py, threads, |_| Ok(()), work)
 }
 
-/// Does `work` as [`supervise`] does, and calls `look` in the caller's thread while it lasts, and once more when it is done.
+/// Runs `work` like [`supervise`], and calls `look` in the thread of the caller while it runs, and once when it is
+/// done.
 ///
 /// # Errors
-/// As [`supervise`]; what `look` raises ends the work, too.
+/// Fails like [`supervise`]; an exception in `look` also interrupts the work.
 pub fn watch<'py, T, E>(
     py: Python<'py>,
     threads: Option<usize>,
@@ -122,7 +124,7 @@ where
             Err(panic) => Done::Panicked(message(panic.as_ref())),
         };
         drop(counted);
-        // Nobody listens any more to what ended too late.
+        // The receiver is gone if the work ended too late.
         let _ = send.send(done);
     };
     let spawned = std::thread::Builder::new().name("tactus".into()).spawn(run);

@@ -1,7 +1,7 @@
 """tactus: a parallel gripper with two soft visual-tactile pads squeezes a rigid object.
 
-Everything is SI: m, N, Pa, kg; quaternions are (w, x, y, z). The tasks that ship with it are `tactus/Hold-v0`,
-`tactus/Squeeze-v0` and `tactus/Regrasp-v0` of `gymnasium.make`. Warnings go to the logger `tactus`.
+All quantities are in SI units: m, N, Pa, kg; quaternions are (w, x, y, z). The included tasks for `gymnasium.make` are
+`tactus/Hold-v0`, `tactus/Squeeze-v0` and `tactus/Regrasp-v0`. Warnings are sent to the logger `tactus`.
 """
 
 from . import ron, shards

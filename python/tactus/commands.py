@@ -1,8 +1,8 @@
-"""The other commands of the command line: the same code in this process, each with its report as data.
+"""The other commands of the command line, run in this process; each returns its report as data.
 
-Arguments are the options of the command, and None leaves its default: `tactus COMMAND --help` tells them all. What a command
-says on the way goes to the logger `tactus`. ValueError for what is refused, with file, line and column; FileNotFoundError, or
-another OSError, for a file that the operating system refuses; Ctrl-C keeps what is finished.
+Arguments are the options of the command, None selects the default; `tactus COMMAND --help` lists all options. Messages
+of a command are sent to the logger `tactus`. Raises ValueError with file, line and column for invalid input, and
+FileNotFoundError or another OSError for a file error of the operating system. After Ctrl-C finished work is kept.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ Told = Callable[[int, int], object]
 class Report:
     """Report of a command.
 
-    good: all is as it should be (exit code 0).
-    data: what the command prints with `--format json`.
+    good: True if the command succeeded (exit code 0).
+    data: output of the command with `--format json`.
     """
 
     good: bool
@@ -36,14 +36,15 @@ class Report:
 
 
 def command(*arguments: Path, progress: Told | None = None) -> tuple[int, str]:
-    """Runs any command: `tactus.command("predict", "scene.ron", "-o", "out")`. Returns exit code and report, as it is printed."""
+    """Runs any command, e.g. `tactus.command("predict", "scene.ron", "-o", "out")`; returns its exit code and printed
+    report."""
     return _tactus.command([os.fspath(argument) for argument in arguments], True, progress)
 
 
 def check(scene: Path, *, object: str | None = None, export: Path | None = None) -> Report:
-    """Checks a scene and shows what would run.
+    """Checks a scene and reports what would be run.
 
-    export: file for the object's surface (`.obj`, `.stl`) or the grasps (`.h5`).
+    export: output file for the object surface (`.obj`, `.stl`) or the grasps (`.h5`).
     """
     return _report(["check"], [scene], dict(object=object, export=export))
 
@@ -65,11 +66,11 @@ def dataset(
     threads: int | None = None,
     progress: Told | None = None,
 ) -> Report:
-    """Simulates all grasps of all objects of a scene into a data set; goes on where it was stopped.
+    """Simulates all grasps of all objects of a scene into a data set; an interrupted command is resumed.
 
-    grasps: number of grasps of each object, the first ones.
-    part: (I, N), from 1 to N.
-    progress: function that is called with (frames done, of how many).
+    grasps: number of grasps per object, taken from the beginning.
+    part: (I, N): part I of N, from 1 to N.
+    progress: function called with (finished frames, total).
     """
     options = dict(
         out=out,
@@ -91,7 +92,7 @@ def dataset(
 def inspect(
     folder: Path, *, pictures: Path | None = None, every: int | None = None, frames: int | None = None
 ) -> Report:
-    """Counts, ranges and histograms of a data set; `good` if nothing is damaged."""
+    """Returns counts, ranges and histograms of a data set; `good` if no data is damaged."""
     return _report(["dataset", "inspect"], [folder], dict(pictures=pictures, every=every, frames=frames))
 
 
@@ -104,10 +105,10 @@ def train(
     threads: int | None = None,
     progress: Told | None = None,
 ) -> Report:
-    """Trains a network on data sets; goes on where it was stopped.
+    """Trains a network on data sets; an interrupted command is resumed.
 
-    model: model file, RON.
-    progress: function that is called with (epochs done, of how many).
+    model: model specification file, RON.
+    progress: function called with (finished epochs, total).
     """
     options = dict(model=model, out=out, split=split, threads=threads)
     return _report(["train"], _several(data), options, progress)
@@ -124,7 +125,7 @@ def eval(
     dump: Path | None = None,
     threads: int | None = None,
 ) -> Report:
-    """Judges a network on the test grasps of a data set."""
+    """Evaluates a network on the test grasps of a data set."""
     options = dict(
         model=model, split=split, extrapolate=extrapolate, pictures=pictures, worst=worst, dump=dump, threads=threads
     )
@@ -146,7 +147,12 @@ def bench(
     out: Path | None = None,
     threads: int | None = None,
 ) -> Report:
-    """Measures speed against error of all settings; `sizes` cost against size, `envs` steps of a task, `certify` references."""
+    """Measures time against error of all settings.
+
+    certify: True to compute reference values with their errors instead.
+    sizes: measure cost against problem size instead.
+    envs: measure the steps of a task with these numbers of environments instead.
+    """
     options = dict(
         object=object,
         grasps=grasps,
@@ -172,12 +178,12 @@ def fit(
     out: Path | None = None,
     threads: int | None = None,
 ) -> Report:
-    """Fits Young's modulus, Poisson's ratio, friction and the zero of depth of a press to a measured curve.
+    """Fits Young's modulus, Poisson's ratio, friction and the depth offset of a press to a measured curve.
 
     curve: CSV with the header `depth_m,force_n`.
     ranges: (low, high) of `young`, `poisson`, `friction` or `depth_zero`.
 
-    The report is good if every fit settled.
+    The report is good if every fit converged.
     """
     bounds = [f"{name}={low},{high}" for name, (low, high) in (ranges or {}).items()]
     return _report(["fit"], [scene], dict(curve=curve, object=object, range=bounds, out=out, threads=threads))
@@ -192,16 +198,17 @@ def report(
     grasps: int | None = None,
     frames: int | None = None,
 ) -> Report:
-    """Puts runs, data sets, trainings and benches into one HTML page, the file `out`."""
+    """Writes an HTML page of runs, data sets, trainings and benchmarks to the file `out`."""
     options = dict(out=out, model=model, split=split, grasps=grasps, frames=frames)
     return _report(["report"], _several(folders), options)
 
 
 def view(path: Path, *, model: Path | None = None, port: int | None = None, browser: bool = True) -> None:
-    """Shows a folder of results, or a scene that runs meanwhile, in the browser until Ctrl-C; prints the address of the page.
+    """Shows a folder of results, or runs a scene and shows it, in the browser until Ctrl-C; prints the address of the
+    page.
 
-    model: folder of a trained model to judge on a data set.
-    port: port on 127.0.0.1; any that is free by default.
+    model: folder of a trained model to evaluate on a data set.
+    port: port on 127.0.0.1; None selects a free port.
     browser: True to open the page.
     """
     if port is None:

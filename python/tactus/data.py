@@ -12,21 +12,21 @@ from .meshes import F32, F64, Pad, Surface
 
 
 class StoredGrasp(TypedDict):
-    """A grasp of a data set; fields in the frame of each pad. `F` frames, `P` pads, left first, `n` nodes of a pad.
+    """Grasp of a data set; nodal fields in the pad frames. `F` frames, `P` pads, left first, `n` nodes per pad.
 
     object: name of the object.
-    grasp: number of the grasp.
+    grasp: index of the grasp.
     displacement_m: (F, P, n, 3), m.
     contact_force_n: (F, P, n, 3), N, on the pad.
     von_mises_pa: (F, P, n), Pa.
     force_n: (F), N, sum over the fingers of |normal force|.
     travel_m: (F, P), m, closing travel of each finger since first contact.
-    finger_position_m: (F, P), m, since the open hand.
-    object_pose: (F, 7), m and 1, of the object in the hand.
-    object_load: (F, 6), N and N m, weight and push on the object, hand axes.
-    wrench: (F, P, 6), N and N m, force and torque of the contact on each pad.
-    grasp_pose: (7), m and 1, of the hand in the object frame at the start.
-    tactile: arrays of the tactile sensors that the scene records, by name: (F, P, ...).
+    finger_position_m: (F, P), m, closing travel of each finger from the open hand.
+    object_pose: (F, 7), m and 1, pose of the object in the hand frame.
+    object_load: (F, 6), N and N m, external load on the object (weight and applied push), hand axes.
+    wrench: (F, P, 6), N and N m, contact force and torque on each pad.
+    grasp_pose: (7), m and 1, initial pose of the hand in the object frame.
+    tactile: arrays of the recorded tactile sensors by name: (F, P, ...).
     """
 
     object: str
@@ -45,16 +45,16 @@ class StoredGrasp(TypedDict):
 
 
 class DataSet:
-    """A data set that `tactus dataset` wrote: a sequence of its grasps that reached their load, read as they are asked for.
+    """Data set written by `tactus dataset`: the sequence of its grasps that reached their load, read on demand.
 
-    folder: of the data set.
+    folder: folder of the data set.
     part: `"all"`, or the `"train"` or `"test"` set of its split by poses.
 
-    `len(data)` and `data[i]` are those of a map-style `torch.utils.data.Dataset`, so a `DataLoader` takes it, with workers,
-    too. A slice, as `data[:100]`, is a `DataSet` of those grasps, and reads none of them; `data["lemon", 3]` is a grasp by
-    object and number. Copies and pickles hold the folder and open it again. Objects whose files are not as they were written
-    are left out with a warning to the logger `tactus`. ValueError if there is no finished data set, FileNotFoundError if there
-    is no such folder.
+    It is a map-style `torch.utils.data.Dataset`, so it can be used with a `DataLoader`, also with workers. A slice,
+    e.g. `data[:100]`, is a `DataSet` of those grasps and reads no data; `data["lemon", 3]` is a grasp by object and
+    index. Copies and pickles store the folder and reopen it. Objects whose files were modified or damaged are excluded
+    with a warning to the logger `tactus`. Raises ValueError if there is no finished data set, FileNotFoundError if the
+    folder does not exist.
     """
 
     def __init__(self, folder: str | os.PathLike[str], part: Literal["all", "train", "test"] = "all") -> None:
@@ -75,7 +75,7 @@ class DataSet:
         self._reached = {name: reached for name, _, reached in self._files.objects()}
 
     def _own(self) -> _tactus.Files:
-        # Open files have one position, which a forked process would share with its parent.
+        # A forked process would share the positions of open files with its parent.
         if self._process != os.getpid():
             self._open()
         return self._files
@@ -113,36 +113,37 @@ class DataSet:
         return f"DataSet({self.folder!r}, {self.part!r}): {len(self)} grasps of {len(self._reached)} objects"
 
     def damaged(self) -> list[str]:
-        """Why objects were left out, a sentence each."""
+        """Returns the reasons why objects are excluded, one sentence each."""
         return self._files.damaged()
 
     def objects(self) -> list[str]:
-        """Names of the objects."""
+        """Returns the names of the objects."""
         return list(self._reached)
 
     def reached(self, object: str) -> list[int]:
-        """Numbers of the grasps of an object that reached their load. ValueError if there is no such object, as below."""
+        """Returns the indices of the grasps of an object that reached their load. Like the methods below it raises
+        ValueError if the object does not exist."""
         if object not in self._reached:
             raise ValueError(f"the data set has no object {object!r}; it has: {', '.join(self._reached)}")
         return self._reached[object]
 
     def split(self, test: bool) -> list[tuple[str, int]]:
-        """(object, grasp) of the training or the test set of the split by poses."""
+        """Returns (object, grasp) of the training or the test set of the split by poses."""
         return self._files.split(test)
 
     def grasp(self, object: str, grasp: int) -> StoredGrasp:
-        """The arrays of a grasp. ValueError too if its rows are damaged."""
+        """Returns the arrays of a grasp. Raises ValueError also if its data is damaged."""
         arrays = self._own().grasp(object, grasp)
         return cast(StoredGrasp, {"object": object, "grasp": grasp, **arrays})
 
     def pads(self, object: str) -> tuple[Pad, ...]:
-        """Rest meshes of the pads of an object, left first."""
+        """Returns the reference meshes of the pads for an object, left first."""
         return tuple(Pad(**pad) for pad in self._files.pads(object))
 
     def surface(self, object: str) -> Surface:
-        """The surface of an object."""
+        """Returns the surface of an object."""
         return Surface(**self._files.surface(object))
 
     def scene(self, object: str) -> str:
-        """The scene of an object as RON with every default written out."""
+        """Returns the scene of an object as RON with all defaults written out."""
         return self._files.scene(object)

@@ -1,4 +1,4 @@
-"""Scenes with a task as environments of Gymnasium."""
+"""Gymnasium environments of scenes with a task."""
 
 from __future__ import annotations
 
@@ -25,28 +25,29 @@ Picture = npt.NDArray[np.uint8]
 
 
 class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
-    """N environments of one scene, stepped together in Rust.
+    """Batch of N environments of one scene, stepped in parallel in Rust.
 
     scene: scene file with a `task`.
     num_envs: number of environments.
-    seed: of all episodes until `reset(seed=...)`; what is drawn depends on (seed, environment, episode) alone; None draws a
-      seed from the system, which `np_random_seed` tells.
-    model: folder of a trained network; None takes the scene's backend.
-    autoreset_mode: Gymnasium's, or its name (`"SameStep"`).
-    max_steps: of an episode, in place of the scene's.
-    threads: number; all of the machine if None.
-    objects: names of the scene's objects to draw from.
-    first_env: number of the first environment, for shards of one batch.
-    copy: True gives arrays of your own; False alternates between two sets of arrays, so that a result stays valid for one
+    seed: seed of all episodes until `reset(seed=...)`; random numbers depend on (seed, environment, episode) alone.
+      None uses a seed from the operating system (see `np_random_seed`).
+    model: folder of a trained network; None uses the backend of the scene.
+    autoreset_mode: mode of Gymnasium, or its name (`"SameStep"`).
+    max_steps: maximum number of steps of an episode; None uses that of the scene.
+    threads: number of threads; None uses all of the machine.
+    objects: names of the objects to draw from; None uses all objects of the scene.
+    first_env: index of the first environment, for shards of one batch.
+    copy: True returns new arrays; False alternates between two sets of arrays, so that a result stays valid for one
       further step.
-    render_mode: `"rgb_array"` draws what `tactus run` draws.
+    render_mode: `"rgb_array"` renders like `tactus run`.
 
-    Observations are a dictionary of float32 arrays in SI (`units` names the unit of each); actions are float32 from -1
-    to 1. `infos` holds, per environment, what the reward was made of and `fault`: why the solver gave up, or None; after a
-    reset also `seed`, which the environment's episodes are drawn by.
+    Observations are a dictionary of float32 arrays in SI units (see `units`); actions are float32 from -1 to 1. `infos`
+    contains, per environment, the quantities from which the reward was computed, and `fault`: the reason of a solver
+    failure or an infeasible start, or None; after a reset also `seed`, the seed of the episodes.
 
-    Copies (`copy.deepcopy`) and pickles hold scene file, settings and the running episodes, and go on bit for bit. Ctrl-C
-    during a call leaves all environments without an episode: reset them. A forked process may go on with them.
+    Copies (`copy.deepcopy`) and pickles store the scene file, the settings and the running episodes, and continue bit
+    for bit. Ctrl-C during a call discards all episodes; the environments must then be reset. A forked process may
+    continue to use the environments.
     """
 
     single_observation_space: spaces.Dict
@@ -78,7 +79,7 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
 
         model = None if model is None else os.fspath(model)
         self._batch = Batch(*made(os.fspath(scene), model))
-        # A copy may be made in another folder.
+        # A copy may be created in another working directory.
         self._made = made(os.path.abspath(scene), None if model is None else lasting(model))
         self._np_random, self._np_random_seed = seeding.np_random(seed)
         self.num_envs = num_envs
@@ -100,10 +101,11 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Obs, dict[str, Any]]:
-        """Starts the next episodes, or with `seed` the first ones; `options["reset_mask"]` (num_envs, bool) chooses.
+        """Starts the next episodes, or the first ones of `seed`; `options["reset_mask"]` (num_envs, bool) selects
+        environments.
 
-        A list of seeds has one for each environment, which then starts the episode that `Env` starts with that seed; where
-        it is None, the next one.
+        A list of seeds contains one per environment, which then starts the same episode as `Env` with that seed; None
+        starts the next episode.
         """
         mask = (options or {}).get("reset_mask")
         if mask is not None:
@@ -126,7 +128,7 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
         return obs, infos
 
     def step(self, actions: Array) -> tuple[Obs, Array, Array, Array, dict[str, Any]]:
-        """One step of every environment. ValueError names the environment whose action is not finite."""
+        """Takes one step of every environment. Raises ValueError for an action that is not finite."""
         flat = self._actions(actions)
         obs, reward, terminated, truncated = self._next_arrays()
         self._batch.step(flat, self._flat(obs), reward, terminated, truncated)
@@ -144,22 +146,22 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
         return obs, reward, terminated, truncated, infos
 
     def save(self, env: int) -> bytes:
-        """The state of an environment, to restore it bit for bit."""
+        """Returns the state of an environment, from which it can be restored bit for bit."""
         return self._batch.save(env)
 
     def restore(self, env: int, snapshot: bytes) -> Obs:
-        """Brings an environment to where `snapshot` was saved; the observations of all. ValueError for a snapshot that is
-        damaged or of another scene."""
+        """Restores an environment to the state of `snapshot`; returns the observations of all environments. Raises
+        ValueError for a snapshot that is damaged or of another scene."""
         obs, *_ = self._next_arrays()
         self._batch.restore(env, snapshot, self._flat(obs))
         return obs
 
     def held_objects(self) -> list[str | None]:
-        """Name of the object that each environment holds."""
+        """Returns the object name of each environment; None without an episode."""
         return self._batch.held_objects()
 
     def render(self) -> tuple[Picture, ...] | None:
-        """The picture of every environment, (height, width, 3); None without `render_mode="rgb_array"`."""
+        """Returns the picture of each environment, (height, width, 3); None without `render_mode="rgb_array"`."""
         if self.render_mode is None:
             return None
         return tuple(self._batch.render(env) for env in range(self.num_envs))
@@ -213,7 +215,7 @@ class VectorEnv(gym.vector.VectorEnv[Obs, Array, Array]):
 
 
 class Env(gym.Env[Obs, Array]):
-    """One environment of a scene, with the settings of `VectorEnv`."""
+    """Single environment of a scene, with the settings of `VectorEnv`."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
 
@@ -236,7 +238,7 @@ class Env(gym.Env[Obs, Array]):
         return self._first(obs), float(reward[0]), bool(terminated[0]), bool(truncated[0]), self._first(infos)
 
     def render(self) -> Picture | None:
-        """The picture, (height, width, 3); None without `render_mode="rgb_array"`."""
+        """Returns the picture, (height, width, 3); None without `render_mode="rgb_array"`."""
         pictures = self._batch.render()
         return None if pictures is None else pictures[0]
 

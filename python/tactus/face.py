@@ -1,7 +1,7 @@
-"""The face network in PyTorch: the same weights and the same sums as `src/net/network/face.rs`.
+"""PyTorch implementation of the face network, with the same weights and operations as `src/net/network/face.rs`.
 
-`pad` and `grasp` are the arrays of `src/net/infer/inputs.rs`, those of `grasp` with the grasps in front. `G` grasps, `L` loads, `P` pads, `n`
-nodes of a face, `N` nodes of a pad.
+`pad` and `grasp` are the arrays of `src/net/infer/inputs.rs`, those of `grasp` with the grasps as first dimension. `G`
+grasps, `L` loads, `P` pads, `n` nodes per face, `N` nodes per pad.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from torch import Tensor, nn
 
 Arrays = Mapping[str, Tensor]
 
-# Usual number of neighbours of a node, by which sums of messages are divided.
+# Typical number of neighbours of a node, by which sums of messages are divided.
 USUAL = 6.0
-# Share of the force added to that of every node before the logarithm.
+# Constant added to the force fraction of each node before the logarithm.
 LITTLE = 1e-4
-# Square added to that of the stress before the root.
+# Constant added to the squared stress before the square root.
 LEAST = 1e-12
 
 
@@ -30,18 +30,18 @@ def positive(z: Tensor) -> Tensor:
 
 
 def hung(channels: Tensor, width: int, pad: Arrays) -> Tensor:
-    """Values of all nodes of a pad (..., N, width) from those of its depth channels (..., n, depths * width)."""
+    """Interpolates the depth channels of a face (..., n, depths * width) to all nodes of the pad (..., N, width)."""
     channels = channels.reshape(*channels.shape[:-2], -1, width)
     index, weight = pad["hang"].unbind(1), pad["hang_weight"].unbind(1)
     return torch.stack([w[:, None] * channels[..., i, :] for i, w in zip(index, weight)]).sum(0)
 
 
 class FaceNetwork(nn.Module):
-    """Message passing on the sensing faces once per grasp, and a decoder for any load."""
+    """Message passing on the sensing faces, evaluated once per grasp, and a decoder evaluated for each load."""
 
     def __init__(self, weights: Arrays) -> None:
         super().__init__()
-        # The name of a parameter must not hold a dot.
+        # PyTorch does not allow dots in parameter names.
         self.weights = nn.ParameterDict({name.replace(".", "_"): weight for name, weight in weights.items()})
         self.rounds = sum(name.endswith(".sender") for name in weights)
 
@@ -56,7 +56,8 @@ class FaceNetwork(nn.Module):
         return nn.functional.layer_norm(x, x.shape[-1:], gain, shift, 1e-5)
 
     def pools(self, x: Tensor, pad: Arrays, grasp: Arrays, name: str) -> Tensor:
-        """Values of pads (G, P, h) from those of nodes (G, P, n, h): means over its face, and those of the other one."""
+        """Pools node values (G, P, n, h) to pad values (G, P, h), from means over the own face and that of the other
+        pad."""
         mean, near = (pad["mean"][:, None] * x).sum(2), (grasp["near"][..., None] * x).sum(2)
         z = mean @ self.weight(f"{name}.mean") + near @ self.weight(f"{name}.near") + self.weight(f"{name}.bias")
         if x.shape[1] == 2:
@@ -64,7 +65,7 @@ class FaceNetwork(nn.Module):
         return gated(z)
 
     def encode(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor]:
-        """The pass that happens once per grasp: for nodes (G, P, n, decoder), and for pads (G, P, decoder)."""
+        """Returns the latent features of nodes (G, P, n, decoder) and pads (G, P, decoder), computed once per grasp."""
         sender, receiver = pad["edges"].unbind(1)
         h = self.layer(grasp["node"], "start.node") + (grasp["pad"] @ self.weight("start.pad"))[:, :, None]
         for r in (f"round{k}" for k in range(self.rounds)):
@@ -81,8 +82,9 @@ class FaceNetwork(nn.Module):
         return node, pooled @ self.weight("pad.latent") + self.weight("pad.bias")
 
     def decode(self, pad: Arrays, grasp: Arrays, code: tuple[Tensor, Tensor]) -> dict[str, Tensor]:
-        """The answer in the network's units: `displacement` (G, L, P, N, 3), `stress` (G, L, P, N), `contact` (G, L, P, n, 3): share of the
-        force, and friction along x and y; `travel` (G, L, P, 1), `motion` (G, L, P, 6)."""
+        """Returns the prediction in network units: `displacement` (G, L, P, N, 3), `stress` (G, L, P, N), `contact`
+        (G, L, P, n, 3): fraction of the normal force and friction along x and y; `travel` (G, L, P, 1), `motion`
+        (G, L, P, 6)."""
         node, whole, at_pad = code[0][:, None], code[1][:, None], grasp["pad_load"]
         z = node + grasp["node_load"] @ self.weight("node.load") + (at_pad @ self.weight("node.pad_load"))[..., None, :]
         z = gated(z)
@@ -91,7 +93,7 @@ class FaceNetwork(nn.Module):
         y = gated(self.layer(y, "pad.middle"))
         contact = self.contact(z, grasp)
         given, bare = self.response(contact, pad, grasp)
-        # What the linear response is wrong by, as a factor, and what it leaves out.
+        # Multiplicative and additive corrections of the linear response.
         scale, beyond = (hung(self.layer(z, name), 3, pad) for name in ("scale", "displacement"))
         factor, more = (hung(positive(self.layer(z, name)), 1, pad).squeeze(-1) for name in ("factor", "stress"))
         return {
@@ -103,7 +105,8 @@ class FaceNetwork(nn.Module):
         }
 
     def contact(self, z: Tensor, grasp: Arrays) -> Tensor:
-        """Contact on top of the projected one; friction takes up what the pressure leaves over of a free object's balance."""
+        """Returns the contact forces, predicted relative to the projected contact. For a free object, the residual of
+        force and moment balance is removed by a correction of friction."""
         share, *along = grasp["carried"].unbind(-1)
         x = self.layer(z, "contact") + torch.stack([torch.log(share + LITTLE), *along], -1)
         s = torch.softmax(x[..., :1], -2)
@@ -115,7 +118,8 @@ class FaceNetwork(nn.Module):
         return (flat + grasp["pull"].transpose(-1, -2) @ (grasp["inverse"] @ left)).reshape(x.shape)
 
     def response(self, contact: Tensor, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor]:
-        """Linear response of the pads: displacement (G, L, P, N, 3) and von Mises stress (G, L, P, N), in the network's units."""
+        """Returns the linear response of the pads in network units: displacement (G, L, P, N, 3) and von Mises stress
+        (G, L, P, N)."""
         against, x, y = contact.unbind(-1)
         scale = grasp["pressing_n"] / (pad["young_pa"] * pad["thickness_m"] * grasp["depth_m"])
         force = scale[..., None] * torch.stack([x, y, -against], -1).flatten(3)
@@ -125,7 +129,8 @@ class FaceNetwork(nn.Module):
         return given, torch.sqrt(3 * (a * a + b * b + a * b + c * c + d * d + e * e) + LEAST)
 
     def forward(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor, Tensor]:
-        """Displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N (G, L, P, N, 3), in the frame of each pad."""
+        """Returns displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N
+        (G, L, P, N, 3), in the pad frames."""
         out = self.decode(pad, grasp, self.encode(pad, grasp))
         depth, (length, stress) = grasp["depth_m"][..., None], pad["units"].unbind()
         against, x, y = out["contact"].unbind(-1)

@@ -1,4 +1,4 @@
-"""Tactus's mechanics as PyTorch sees them: values, and first derivatives by autograd and `torch.func`."""
+"""Mechanics of tactus as PyTorch functions, with first derivatives for autograd and `torch.func`."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from torch.autograd.forward_ad import unpack_dual
 
 from . import _tactus
 
-# Changes of a grasp: of the logarithm of the force, of friction, position (3) and rotation (3).
+# Number of differentiable parameters of a grasp: log force (1), friction (1), position (3) and rotation (3).
 CHANGES = 8
 
 
 class Look:
-    """One look at grasps.
+    """Evaluation of the network inputs of grasps.
 
-    changes: along which there are derivatives, a part of the range of `CHANGES`.
-    names: of the arrays.
-    grasp: numbers of the grasps (G) that have an answer.
-    failed: reasons of the others, by number.
+    changes: indices (below `CHANGES`) of the parameters for which derivatives are computed.
+    names: names of the arrays.
+    grasp: indices (G) of the grasps that succeeded.
+    failed: failure reasons of the others, by index.
     """
 
     def __init__(self, seen: _tactus.FaceInputs, changes: list[int]) -> None:
@@ -31,17 +31,17 @@ class Look:
         self.failed: dict[int, str] = {}
 
     def at(self, poses: Tensor, force: Tensor, friction: Tensor) -> list[tuple[str, Tensor, Tensor]]:
-        """Returns names, arrays (G, ...) and their slopes (G, changes, ...) of the grasps at `poses` (G, 7) under `force` (G, F) with
-        `friction` (G), float64 where there are always f64. ValueError if no grasp has an answer."""
+        """Returns names, arrays (G, ...) and their derivatives (G, changes, ...) for the grasps at `poses` (G, 7) under
+        `force` (G, F) with `friction` (G), all float64 on the CPU. Raises ValueError if no grasp succeeds."""
         arrays = Looked.apply(poses, force, friction, self)
         half = len(self.names)
         return list(zip(self.names, arrays[:half], arrays[half:]))
 
 
 class Looked(Function):
-    """Arrays of a `Look`, then their slopes; constants for autograd."""
+    """Arrays of a `Look`, then their derivatives; constants for autograd."""
 
-    # PyTorch's signature leaves the arguments open.
+    # The signature of PyTorch does not fix the arguments.
     @staticmethod
     def forward(poses: Tensor, force: Tensor, friction: Tensor, look: Look) -> tuple[Tensor, ...]:
         at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
@@ -64,10 +64,10 @@ class Looked(Function):
     def vmap(
         info: Any, in_dims: tuple[Any, ...], poses: Tensor, force: Tensor, friction: Tensor, look: Look
     ) -> tuple[tuple[Tensor, ...], tuple[int, ...]]:
-        """The grasps of all examples are those of one look."""
+        """Evaluates the grasps of all examples in one batch."""
         n, given = info.batch_size, (poses, force, friction)
         rows = [x.expand(n, *x.shape) if dim is None else x.movedim(dim, 0) for x, dim in zip(given, in_dims)]
-        # What is mapped does not tell what is differentiated.
+        # Under vmap it is unknown which parameters are differentiated.
         look.changes = list(range(CHANGES))
         arrays = Looked.apply(*(x.flatten(0, 1) for x in rows), look)
         if look.failed:
@@ -77,7 +77,7 @@ class Looked(Function):
 
 
 class Once(Function):
-    """A tensor that can be differentiated once: RuntimeError for second derivatives."""
+    """Identity that can be differentiated once; raises RuntimeError for second derivatives."""
 
     generate_vmap_rule = True
 
@@ -100,7 +100,7 @@ class Once(Function):
 
 
 class Beside(Function):
-    """The first of two tensors; its derivatives go to both, those to the second are zero."""
+    """Returns the first of two tensors, but also depends on the second with zero derivative."""
 
     generate_vmap_rule = True
 
@@ -122,7 +122,7 @@ class Beside(Function):
 
 
 class NoFurther(Function):
-    """A tensor without derivatives: RuntimeError where one is asked for."""
+    """Identity without derivatives; raises RuntimeError if it is differentiated."""
 
     generate_vmap_rule = True
 
@@ -150,13 +150,13 @@ SECOND = (
 
 
 def differentiated(value: Tensor) -> bool:
-    """Whether autograd follows `value`, backwards or forwards."""
+    """Returns True if `value` is differentiated in reverse or forward mode."""
     return (value.requires_grad and torch.is_grad_enabled()) or unpack_dual(value).tangent is not None
 
 
 def changed(poses: Tensor, force: Tensor, friction: Tensor) -> Tensor:
-    """Changes of grasps from where they are, all zero, with their first derivatives (G, F, CHANGES): of the logarithm of each force, friction,
-    position, and rotation vector of the hand in the object frame."""
+    """Returns increments of the grasp parameters (G, F, CHANGES), with value zero but with first derivatives: of the
+    logarithm of each force, of friction, and of position and rotation vector of the hand in the object frame."""
     position, rotation = poses[:, :3], poses[:, 3:] / poses[:, 3:].norm(dim=1, keepdim=True)
     (w, v), (w0, v0) = ((q[:, :1], q[:, 1:]) for q in (rotation, rotation.detach()))
     turn = 2 * (w0 * v - w * v0 - torch.linalg.cross(v, v0))

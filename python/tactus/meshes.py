@@ -1,4 +1,4 @@
-"""Meshes of pads and objects, and what other packages make of them."""
+"""Meshes of pads and objects, and their conversion to other packages."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ Indices = npt.NDArray[np.int64]
 
 Library = Literal["trimesh", "pyvista", "meshio"]
 
-# Corners between which the mid-edge nodes of a tetrahedron lie, in their order.
+# End corners of the edges of a tetrahedron, in the order of the mid-edge nodes.
 EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pad:
-    """Mesh of a pad at rest, and its place in the hand.
+    """Reference mesh of a pad, and its pose in the hand.
 
-    Its frame: origin at the centre of the sensing face, +z out of the gel, x along the approach. `n` nodes, `t` tetrahedra.
+    Pad frame: origin at the centre of the sensing face, +z out of the gel, x along the approach. `n` nodes, `t`
+    tetrahedra.
 
-    rest_m: (n, 3), m, rest positions of the nodes in the pad frame; corners first.
-    tets: (t, 4 or 10), nodes of each tetrahedron: corners, then the middles of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
-    surface: (k, 3), corner triangles of the whole surface, outward.
-    sensing: (k, 3), triangles of the sensing face, outward; with mid-edge nodes.
-    bonded: (n), bool, node is glued to the finger.
-    pad_pose: (7), m and 1, pose in the hand at zero travel: px py pz qw qx qy qz.
-    closing: (3), closing direction of its finger, hand axes.
+    rest_m: (n, 3), m, reference positions of the nodes in the pad frame; corners first.
+    tets: (t, 4 or 10), nodes of each tetrahedron: corners, then midpoints of (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
+    surface: (k, 3), corner triangles of the outer surface, oriented outwards.
+    sensing: (k, 3), triangles of the sensing face, including mid-edge nodes, oriented outwards.
+    bonded: (n), bool, True if the node is bonded to the finger.
+    pad_pose: (7), m and 1, pose in the hand frame at zero travel: px py pz qw qx qy qz.
+    closing: (3), closing direction of the finger, hand axes.
     """
 
     rest_m: F64
@@ -45,19 +46,19 @@ class Pad:
         return f"Pad({len(self.rest_m)} nodes, {len(self.tets)} tetrahedra)"
 
     def face(self) -> Indices:
-        """Triangles of the sensing face between corner nodes alone: (k, 3)."""
+        """Returns the triangles of the sensing face between corner nodes only: (k, 3)."""
         on_face = np.zeros(len(self.rest_m), np.bool_)
         on_face[self.sensing] = True
         face: Indices = self.surface[on_face[self.surface].all(axis=1)]
         return face
 
     def pressure(self, force_n: F64) -> F64:
-        """Pressure on the corner nodes of the sensing face, Pa: (n), NaN elsewhere.
+        """Returns the pressure at the corner nodes of the sensing face, Pa: (n), NaN elsewhere.
 
-        force_n: (n, 3), N, contact force on the nodes, hand axes. What mid-edge nodes carry goes to both ends of their edge
-        in halves, and each corner has a third of the triangles around it.
+        force_n: (n, 3), N, contact force on the nodes, hand axes. The force on a mid-edge node is split equally between
+          the ends of its edge, and the area of a corner is a third of that of its triangles.
         """
-        # The face looks along the closing direction, and what presses it acts against that.
+        # The outward normal of the face is the closing direction, so pressure acts in the opposite direction.
         load = -force_n @ self.closing
         gathered = load.copy()
         if self.tets.shape[1] == 10:
@@ -74,10 +75,10 @@ class Pad:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface:
-    """Surface of an object in its own frame.
+    """Surface of an object in the object frame.
 
-    vertices_m: (k, 3), m.
-    triangles: (k, 3), outward.
+    vertices_m: (k, 3), m, vertices.
+    triangles: (k, 3), vertices of each triangle, oriented outwards.
     """
 
     vertices_m: F64
@@ -88,7 +89,7 @@ class Surface:
 
 
 def rotate(quaternion: npt.ArrayLike, vectors: F64) -> F64:
-    """Vectors (..., 3) turned by a unit quaternion w x y z."""
+    """Rotates vectors (..., 3) by a unit quaternion w x y z."""
     w, axis = np.asarray(quaternion, np.float64)[0], np.asarray(quaternion, np.float64)[1:]
     across = 2.0 * np.cross(axis, vectors)
     turned: F64 = vectors + w * across + np.cross(axis, across)
@@ -96,7 +97,7 @@ def rotate(quaternion: npt.ArrayLike, vectors: F64) -> F64:
 
 
 def triangles_of(points: F64, triangles: Indices, values: Mapping[str, F64], library: Library) -> Any:
-    """A triangle mesh in `library`: points (k, 3), m, with values of each."""
+    """Returns a triangle mesh of `library` with points (k, 3), m, and point data."""
     if library == "trimesh":
         package = _package("trimesh")
         return package.Trimesh(points, triangles, vertex_attributes=dict(values), process=False)
@@ -104,7 +105,7 @@ def triangles_of(points: F64, triangles: Indices, values: Mapping[str, F64], lib
 
 
 def tetrahedra_of(points: F64, pad: Pad, values: Mapping[str, F64], library: Library) -> Any:
-    """A pad in `library`: its tetrahedra with values of each node; in trimesh its surface alone."""
+    """Returns a pad as a mesh of `library` with nodal data: its tetrahedra, or in trimesh its surface only."""
     if library == "trimesh":
         return triangles_of(points, pad.surface, values, library)
     return _cells(points, pad.tets, "tetra" if pad.tets.shape[1] == 4 else "tetra10", values, library)
@@ -115,7 +116,7 @@ def _cells(points: F64, cells: Indices, kind: str, values: Mapping[str, F64], li
         return _package("meshio").Mesh(points, [(kind, cells)], point_data=dict(values))
     if library == "pyvista":
         package = _package("pyvista")
-        # Numbers of VTK.
+        # VTK cell types.
         number = {"triangle": 5, "tetra": 10, "tetra10": 24}[kind]
         grid = package.UnstructuredGrid({number: cells}, points)
         for name, value in values.items():

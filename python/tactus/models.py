@@ -1,4 +1,4 @@
-"""Trained networks, by folder or by name."""
+"""Names and folders of trained networks."""
 
 from __future__ import annotations
 
@@ -8,5 +8,6 @@ from . import _tactus
 
 
 def lasting(model: str | os.PathLike[str]) -> str:
-    """The model for use from another working directory: a folder by its absolute path, one that ships by its name."""
+    """Returns a reference to a model that is valid in any working directory: its name if included, else its absolute
+    path."""
     return os.fspath(model) if os.fspath(model) in _tactus.SHIPPED else os.path.abspath(model)

@@ -1,4 +1,4 @@
-"""Pictures of grasps, drawn by Matplotlib."""
+"""Pictures of grasps, drawn with Matplotlib."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 def faces(pads: tuple[Pad, ...], displacement_m: F64, contact_force_n: F64 | None, title: str) -> Figure:
-    """Draws the sensing face of each pad: magnitude of the displacement, and below it the pressure if the forces are there.
+    """Draws the sensing face of each pad: magnitude of the displacement, and below it the pressure if forces are given.
 
-    displacement_m, contact_force_n: (P, n, 3), m and N. The faces are seen from outside.
-    ValueError without pads.
+    displacement_m, contact_force_n: (P, n, 3), m and N. The faces are viewed from outside.
+    Raises ValueError without pads.
     """
     try:
         from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""A network's answers to many grasps: `tactus.predict` and what it returns."""
+"""Predictions of a network for many grasps: `tactus.predict` and its result."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ F32 = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Predictions:
-    """A network's answers to the grasps of a scene: those `G` that have one, at `F` loads. `P` pads, left first, `n` nodes of each.
+    """Predictions of a network for the `G` successful grasps of a scene at `F` loads. `P` pads, left first, `n` nodes
+    per pad.
 
-    grasp: (G), numbers of the grasps.
-    failed: the reason by the number of each grasp without an answer.
-    notices: what to know before an answer is trusted, as logged: frames without an answer, and where the error is unknown.
-    pads: rest meshes of the pads.
+    grasp: (G), indices of the grasps.
+    failed: failure reasons of the other grasps, by index.
+    notices: warnings about the validity of predictions, also logged: frames without a prediction, unknown errors.
+    pads: reference meshes of the pads.
     object: surface of the object.
     force_n: (F), N, sum over the fingers of |normal force|.
     travel_m: (G, F, P), m, closing travel of each finger since first contact.
-    object_pose: (G, F, 7), m and 1, of the object in the hand: px py pz qw qx qy qz.
-    displacement_m: (G, F, P, n, 3), m, in the frame of each pad, as the contact force.
-    contact_force_n: (G, F, P, n, 3), N, on the pad.
-    slip_margin: (G), part of what friction holds that the loads leave at the worst; below zero the object slips.
-    von_mises_pa: (G, F, P, n), Pa; None where the scene does not record it.
-    displacement_error, stress_error, travel_error: (G, F), relative, what nine of ten predictions stay below; infinite where
-      it is unknown: outside the range of the training, or of a network that was trained on few grasps.
-    tactile: arrays of the tactile sensors that the scene records, by name: (G, F, P, ...), as of a run.
+    object_pose: (G, F, 7), m and 1, pose of the object in the hand frame: px py pz qw qx qy qz.
+    displacement_m: (G, F, P, n, 3), m, in the pad frames.
+    contact_force_n: (G, F, P, n, 3), N, on the pad, in the pad frames.
+    slip_margin: (G), smallest fraction of the friction limit that the loads leave unused; negative if the object slips.
+    von_mises_pa: (G, F, P, n), Pa; None if the scene does not record it.
+    displacement_error, stress_error, travel_error: (G, F), 90 % quantiles of the relative errors; infinite if unknown:
+      outside of the training range, or for a network trained on few grasps.
+    tactile: arrays of the recorded tactile sensors by name: (G, F, P, ...), as of a run.
     """
 
     grasp: Indices
@@ -71,17 +72,18 @@ def predict(
     extrapolate: bool = False,
     threads: int | None = None,
 ) -> Predictions:
-    """Predicts the grasps of a scene by a trained network, all at once, like `tactus predict`.
+    """Predicts the grasps of a scene with a trained network in one batch, like `tactus predict`.
 
-    object: name, for scenes with several.
-    model: folder of a trained network; None is that of the scene, else the one that ships, `"universe"`.
-    poses: (G, 7), px py pz qw qx qy qz of the hand in the object frame, in place of the scene's grasps.
-    force: final force of a squeeze, the sum over the fingers, N.
+    object: name of the object, for scenes with several.
+    model: folder of a trained network; None uses that of the scene, or the included one, `"universe"`.
+    poses: (G, 7), px py pz qw qx qy qz of the hand in the object frame; None uses the grasps of the scene.
+    force: final force of a squeeze, sum over the fingers, N.
     frames: number of loads.
-    extrapolate: answers outside the range of the training, too.
-    threads: number; all of the machine if None.
+    extrapolate: True to predict also outside of the training range.
+    threads: number of threads; None uses all of the machine.
 
-    ValueError for what is refused; FileNotFoundError, or another OSError, for a file that the operating system refuses.
+    Raises ValueError for invalid input, and FileNotFoundError or another OSError for a file error of the operating
+    system.
     """
     arrays, pads, surface, failed, notices = _tactus.predict(
         os.fspath(scene),
@@ -93,9 +95,9 @@ def predict(
         extrapolate,
         threads,
     )
-    # As single precision the numbers of grasps are exact.
+    # The indices are exact in single precision.
     grasp = arrays.pop("grasp").astype(np.int64)
-    # The pads have it.
+    # Already contained in the pads.
     arrays.pop("rest_m")
     meshes = tuple(Pad(**pad) for pad in pads)
     for notice in notices:

@@ -1,4 +1,4 @@
-"""The tasks that ship with tactus, under the names that `gymnasium.make` and `gymnasium.make_vec` take."""
+"""Registration of the included tasks for `gymnasium.make` and `gymnasium.make_vec`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ TASKS = {"tactus/Hold-v0": "hold.ron", "tactus/Squeeze-v0": "squeeze.ron", "tact
 
 
 def register() -> None:
-    """Enters the tasks in Gymnasium's registry; further settings are those of `Env` and `VectorEnv`."""
+    """Adds the tasks to the registry of Gymnasium; further settings are those of `Env` and `VectorEnv`."""
     for name, file in TASKS.items():
         if name not in gym.registry:
             gym.register(

@@ -1,6 +1,6 @@
-"""Python values as RON, the notation of scene files.
+"""Conversion of Python values to RON, the format of scene files.
 
-`tactus.ron.NAME` is the choice of that name, `tactus.ron.NAME(...)` one that holds something:
+`tactus.ron.NAME` is the enum variant of that name, `tactus.ron.NAME(...)` a variant with values:
 `ron.Squeeze(force=15.0)`, `ron.Preset("gelsight_mini")`, `ron.Both`.
 """
 
@@ -18,10 +18,10 @@ Value = Union["Variant", Mapping[str, Any], Sequence[Any], str, "os.PathLike[str
 
 @dataclass(frozen=True)
 class Variant:
-    """One of several choices of a scene; a call gives it what it holds, by position or by name.
+    """Enum variant of a scene; a call adds its values, by position or by name.
 
-    name: as in the scene.
-    held: what stands in its parentheses, RON; None without parentheses.
+    name: name as in the scene.
+    held: RON text in parentheses; None without parentheses.
     """
 
     name: str
@@ -35,7 +35,8 @@ class Variant:
 
 
 def text(value: Value) -> str:
-    """A value as RON. ValueError for numbers that are not finite, TypeError for what a scene cannot hold."""
+    """Returns a value as RON. Raises ValueError for non-finite numbers, TypeError for types that a scene cannot
+    contain."""
     match value:
         case None:
             return "None"
@@ -65,7 +66,7 @@ def text(value: Value) -> str:
 
 
 def struct(fields: Mapping[str, Value]) -> str:
-    """Fields in parentheses."""
+    """Returns named fields in parentheses as RON."""
     for name in fields:
         if not (isinstance(name, str) and name.isidentifier()):
             raise ValueError(f"{name!r} as a field of a scene; allowed: names like `force`")
@@ -73,7 +74,7 @@ def struct(fields: Mapping[str, Value]) -> str:
 
 
 def __getattr__(name: str) -> Variant:
-    # Names of choices are written like this; all others are looked up by Python itself.
+    # Names of variants are capitalised; any other name is an unknown attribute.
     if not name[:1].isupper():
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return Variant(name)

@@ -1,8 +1,9 @@
-"""Rollouts of many environments, and data sets, in shards: on this machine, or on all machines of a Ray cluster.
+"""Sharded rollouts of many environments, and sharded data sets, on this machine or on a Ray cluster.
 
-What an environment does depends on (seed, number of the environment) alone, so how the environments are cut into shards,
-where a shard runs, and how often a machine fails on the way change no byte. A shard is a folder that appears under its name
-when it is complete; what is there is not made again. So it is with the grasps of a data set.
+The trajectory of an environment depends on (seed, index of the environment) alone. Results are therefore identical,
+byte for byte, for any partition into shards, any placement of shards and any number of machine failures. A shard is a
+folder that gets its final name when it is complete; existing shards are not computed again. The same holds for the
+grasps of a data set.
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from .env import VectorEnv
 
 
 def actions(seed: int, env: int, steps: int, size: int) -> np.ndarray:
-    """The random actions of an environment: (steps, size)."""
+    """Returns the random actions of an environment: (steps, size)."""
     return np.random.Generator(np.random.Philox(key=[seed, env])).uniform(-1, 1, (steps, size)).astype(np.float32)
 
 
 def shard(
     scene: str, out: str, first: int, count: int, steps: int, seed: int = 0, settings: dict[str, Any] | None = None
 ) -> str:
-    """Rolls environments `first` to `first + count` out and writes them: (steps + 1, count, ...) per observation,
-    (steps, count) of reward, terminated, truncated; as `.npy`. Returns the folder."""
+    """Rolls out the environments from `first` to `first + count` (exclusive) and writes `.npy` files:
+    (steps + 1, count, ...) per observation, (steps, count) for reward, terminated and truncated. Returns the folder."""
     done = Path(out) / f"shard_{first:06}"
     if done.exists():
         return str(done)
@@ -50,13 +51,14 @@ def shard(
     try:
         os.rename(part, done)
     except OSError:
-        # Another worker was given the same shard and was faster; its bytes are the same.
+        # Another worker finished the same shard first; its content is identical.
         shutil.rmtree(part)
     return str(done)
 
 
 def everywhere(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], cluster: bool) -> list[Any]:
-    """Does all jobs, here or in Ray tasks of one core each, which Ray starts again where a worker or a machine is lost."""
+    """Runs all jobs, in this process or as Ray tasks of one core each, which Ray restarts if a worker or a machine
+    fails."""
     if not cluster:
         return [work(*job) for job in jobs]
     import ray
@@ -66,15 +68,15 @@ def everywhere(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], cluste
 
 
 def part(scene: str, out: str, number: int, parts: int) -> int:
-    """Makes part `number` (from 0) of a data set; returns how many grasps ran."""
+    """Computes part `number` (from 0) of a data set; returns the number of computed grasps."""
     return _tactus.make(scene, out, (number, parts), 1)
 
 
 def dataset(
     scene: str | os.PathLike[str], out: str | os.PathLike[str], *, parts: int = 8, cluster: bool = False
 ) -> int:
-    """Makes the data set of a scene in `parts` parts and closes it; returns how many grasps ran. `cluster` as in
-    :func:`rollout`."""
+    """Computes the data set of a scene in `parts` parts and finishes it; returns the number of computed grasps.
+    `cluster` as in :func:`rollout`."""
     scene, out = os.path.abspath(scene), os.path.abspath(out)
     ran = everywhere(part, [(scene, out, number, parts) for number in range(parts)], cluster)
     return int(sum(ran)) + _tactus.make(scene, out, None, 1)
@@ -91,8 +93,8 @@ def rollout(
     cluster: bool = False,
     **settings: Any,
 ) -> Sequence[str]:
-    """Rolls out `num_envs` environments under random actions. `cluster`: on the Ray cluster that is initialised; `out` and
-    `scene` are then paths that all machines share."""
+    """Rolls out `num_envs` environments under random actions; returns the folders of the shards. With `cluster` the
+    shards run on the initialised Ray cluster, and `out` and `scene` must be on a file system shared by all machines."""
     scene, out = os.path.abspath(scene), os.path.abspath(out)
     os.makedirs(out, exist_ok=True)
     jobs = [
@@ -101,6 +103,6 @@ def rollout(
     ]
     done = everywhere(shard, jobs, cluster)
     for left in Path(out).glob(".shard_*"):
-        # By a worker that was killed while it wrote.
+        # Incomplete shard of a killed worker.
         shutil.rmtree(left)
     return done

@@ -1,4 +1,4 @@
-"""Simulated grasps: `tactus.run` and what it returns."""
+"""Simulated grasps: `tactus.run` and its result."""
 
 from __future__ import annotations
 
@@ -19,40 +19,42 @@ Status = Literal["reached", "dropped", "fault", "infeasible"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Grasp:
-    """A simulated grasp, in the hand frame: origin at the hand base, +z approach, fingers close along x.
+    """Simulated grasp, in the hand frame: origin at the hand base, +z along the approach, fingers close along x.
 
-    `F` frames up to the end of the grasp, all of them valid; `P` pads, left first; `n` nodes and `t` tetrahedra of a pad.
+    `F` frames up to the end of the grasp, all valid; `P` pads, left first; `n` nodes and `t` tetrahedra per pad.
 
-    number: of the grasp in its scene, from 0.
-    status: `reached`, `dropped` (the object left the grasp), `fault` (the solver gave up) or `infeasible` (it could not start).
-    reason: why the load was not reached, else None.
-    handed_over: why finite elements computed it in place of a network, else None.
+    number: index of the grasp in its scene, from 0.
+    status: `reached`, `dropped` (the object left the grasp), `fault` (solver failure) or `infeasible` (it could not
+      start).
+    reason: reason why the load was not reached, or None.
+    handed_over: reason why finite elements computed the grasp instead of the network, or None.
     wall_s: wall time, s.
     summary: its entry in `run.json`, with iterations, methods, smallest det F and gap, sensitivity.
-    pads: rest meshes of the pads.
+    pads: reference meshes of the pads.
     object: surface of the object.
-    grasp_pose: (7), m and 1, pose of the hand in the object frame at the start: px py pz qw qx qy qz.
+    grasp_pose: (7), m and 1, initial pose of the hand in the object frame: px py pz qw qx qy qz.
     force_n: (F), N, applied force: sum over the fingers of |normal force|.
-    time_s: (F), s, time of a dynamic scene, else zero.
+    time_s: (F), s, time of a dynamic scene, otherwise zero.
     travel_m: (F, P), m, closing travel of each finger since first contact.
-    object_pose: (F, 7), m and 1, pose of the object in the hand.
-    object_load: (F, 6), N and N m, weight and push on the object: force and torque about its centre of mass.
-    wrench: (F, P, 6), N and N m, force and torque of the contact on each pad, about the origin of its pad frame.
+    object_pose: (F, 7), m and 1, pose of the object in the hand frame.
+    object_load: (F, 6), N and N m, external load on the object (weight and applied push): force and torque about its
+      centre of mass.
+    wrench: (F, P, 6), N and N m, contact force and torque on each pad, about the origin of its pad frame.
     position_m: (F, P, n, 3), m, node positions.
-    displacement_m: (F, P, n, 3), m, of every node against the pad carried rigidly by its finger.
-    tactile: arrays of the tactile sensors that the scene records, by name: (F, P, ...), as `docs/data-format.md` lists them.
+    displacement_m: (F, P, n, 3), m, node displacements relative to the pad carried rigidly by its finger.
+    tactile: arrays of the recorded tactile sensors by name: (F, P, ...), as listed in `docs/data-format.md`.
 
-    None where the scene does not record it, or it does not exist:
+    The following are None if they are not recorded or do not apply:
 
-    contact_force_n: (F, P, n, 3), N, on the pad, per node, friction included.
+    contact_force_n: (F, P, n, 3), N, nodal contact force on the pad, friction included.
     von_mises_pa: (F, P, n), Pa, per node.
     element_von_mises_pa: (F, P, t), Pa, per tetrahedron.
     gap_m: (F, P, n), m, signed distance of each node to the object, negative inside.
-    displacement_error, stress_error, travel_error: (F), relative, what nine of ten predictions of a network stay below;
-      infinite where it is unknown.
-    hand_pose: (F, 7), m and 1, pose of the hand in the world, of a dynamic scene, as the two that follow.
-    object_motion: (F, 6), m/s and rad/s, velocity of the centre of mass and spin, world axes.
-    ground_force_n: (F, 3), N, of the ground on the object, world axes.
+    displacement_error, stress_error, travel_error: (F), 90 % quantiles of the relative errors of a network; infinite if
+      unknown.
+    hand_pose: (F, 7), m and 1, pose of the hand in the world; of dynamic scenes only, like the next two.
+    object_motion: (F, 6), m/s and rad/s, velocity of the centre of mass and angular velocity, world axes.
+    ground_force_n: (F, 3), N, force of the ground on the object, world axes.
     """
 
     number: int
@@ -88,9 +90,10 @@ class Grasp:
         return f"Grasp({self.number}: {self.status}, {len(self.force_n)} frames, {len(self.pads)} pads)"
 
     def plot(self, frame: int = -1) -> Figure:
-        """Draws the sensing faces of a frame by Matplotlib: displacement, and pressure where contact forces are recorded.
+        """Draws the sensing faces of a frame with Matplotlib: displacement, and pressure if contact forces are
+        recorded.
 
-        IndexError if the grasp has no such frame, ImportError without Matplotlib.
+        Raises IndexError if the grasp has no such frame, ImportError without Matplotlib.
         """
         self._check(frame)
         force = None if self.contact_force_n is None else self.contact_force_n[frame]
@@ -98,10 +101,10 @@ class Grasp:
         return plots.faces(self.pads, self.displacement_m[frame], force, title)
 
     def pad_mesh(self, pad: int, frame: int = -1, library: Library = "trimesh") -> Any:
-        """A deformed pad in the hand, m, with displacement, contact force and stress of its nodes: its tetrahedra in
-        PyVista (`UnstructuredGrid`) and meshio (`Mesh`), its surface in trimesh (`Trimesh`).
+        """Returns a deformed pad in the hand frame, m, with the recorded nodal fields: as tetrahedra in PyVista
+        (`UnstructuredGrid`) and meshio (`Mesh`), as surface in trimesh (`Trimesh`).
 
-        IndexError if there is no such pad or frame, ImportError without the library.
+        Raises IndexError if there is no such pad or frame, ImportError without the library.
         """
         self._check(frame)
         fields = ("displacement_m", "contact_force_n", "von_mises_pa", "gap_m")
@@ -110,7 +113,8 @@ class Grasp:
         return tetrahedra_of(self.position_m[frame, pad], self.pads[pad], values, library)
 
     def object_mesh(self, frame: int = -1, library: Library = "trimesh") -> Any:
-        """The surface of the object in the hand, m, as trimesh, PyVista or meshio have it. Errors as `pad_mesh`."""
+        """Returns the surface of the object in the hand frame, m, as a mesh of trimesh, PyVista or meshio. Errors as
+        `pad_mesh`."""
         self._check(frame)
         pose = self.object_pose[frame]
         points = pose[:3] + rotate(pose[3:], self.object.vertices_m)
@@ -123,12 +127,12 @@ class Grasp:
 
 @dataclass(frozen=True)
 class Expectation:
-    """A promise of the scene and what became of it.
+    """Expectation of the scene and its result.
 
-    name: as in the scene.
-    held: in every grasp.
-    value: the worst one, None without a frame.
-    bound: of the value.
+    name: name as in the scene.
+    held: True if it is met in every grasp.
+    value: worst value; None without a frame.
+    bound: bound for the value.
     """
 
     name: str
@@ -141,14 +145,14 @@ class Expectation:
 class Run:
     """Simulated grasps of a scene: a sequence of `Grasp`.
 
-    grasps: in the order of the scene, or in that which was asked for.
-    good: every promise of the scene is kept; without any, every grasp reached its load.
-    expectations: the promises of the scene.
-    backend: with its settings.
-    threads: their number.
-    notices: what to know before a result is trusted, as logged.
-    wall_s: wall time of all grasps together, s.
-    pads: rest meshes of the pads.
+    grasps: grasps in the order of the scene, or in the requested order.
+    good: True if all expectations of the scene are met; without expectations, if every grasp reached its load.
+    expectations: expectations of the scene.
+    backend: name of the backend with its settings.
+    threads: number of threads.
+    notices: warnings about the validity of the results, also logged.
+    wall_s: total wall time, s.
+    pads: reference meshes of the pads.
     object: surface of the object.
     report: content of `run.json`.
     """
@@ -200,27 +204,28 @@ def run(
     pictures: bool = True,
     progress: Callable[[int, int], object] | None = None,
 ) -> Run:
-    """Simulates grasps of a scene, like `tactus run`; None keeps what the scene says.
+    """Simulates grasps of a scene, like `tactus run`; None uses the value of the scene.
 
-    object: name, for scenes with several.
+    object: name of the object, for scenes with several.
     backend: `"fem"`, `"condensed"` or `"gnn"`.
-    model: folder of a trained network or name of the one that ships, `"universe"`; it means `"gnn"`.
-    force: final force of a squeeze, the sum over the fingers, N.
+    model: folder of a trained network or name of the included one, `"universe"`; implies `"gnn"`.
+    force: final force of a squeeze, sum over the fingers, N.
     frames: number of recorded frames.
-    grasps: numbers of the grasps to run, from 0, in this order, each once.
-    error_at_most: largest relative error of the displacement that is accepted from a network; finite elements compute the
-      other grasps.
-    extrapolate: a network answers outside the range of its training, too.
-    threads: number; all of the machine unless the scene says otherwise.
-    max_time: wall time that a grasp may take, s.
-    sensitivity: also measures how well posed each grasp is, into `Grasp.summary`: five times the work.
+    grasps: indices of the grasps to run, from 0, in this order, each once.
+    error_at_most: largest predicted relative error of the displacement that is accepted from a network; finite elements
+      compute the other grasps.
+    extrapolate: True to use a network also outside of its training range.
+    threads: number of threads; all of the machine unless the scene sets it.
+    max_time: maximum wall time of a grasp, s.
+    sensitivity: True to measure the effect of small changes of each grasp, stored in `Grasp.summary`, at five times the
+      cost.
     out: folder for the files of a run.
-    overwrite: replaces an earlier run there.
-    pictures: draws `pads.png` of each grasp there.
-    progress: function that is called with (grasps done, of how many).
+    overwrite: True to replace an earlier run in `out`.
+    pictures: True to draw `pads.png` of each grasp in `out`.
+    progress: function called with (finished grasps, total).
 
-    ValueError with file, line and column for what is refused; FileNotFoundError, or another OSError, for a file that the operating
-    system refuses; KeyboardInterrupt within a second of Ctrl-C.
+    Raises ValueError with file, line and column for invalid input, FileNotFoundError or another OSError for a file
+    error of the operating system, and KeyboardInterrupt within a second of Ctrl-C.
     """
     if grasps is not None and len(grasps) == 0:
         raise ValueError("grasps: at least one number is needed; None runs all")

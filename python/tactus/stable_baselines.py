@@ -1,4 +1,4 @@
-"""Environments of a scene as Stable-Baselines3 takes them."""
+"""Environments of a scene for Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ except ImportError as error:
 
 
 class VecEnv(vec_env.VecEnv):
-    """`num_envs` environments of a scene for the algorithms of Stable-Baselines3, with `"MultiInputPolicy"`.
+    """Vectorised environments of a scene for the algorithms of Stable-Baselines3, with `"MultiInputPolicy"`.
 
-    settings: those of `VectorEnv`, but for `autoreset_mode`, which Stable-Baselines3 fixes.
+    settings: settings of `VectorEnv`, except `autoreset_mode`, which Stable-Baselines3 fixes.
 
-    Observations are a dictionary of float32 arrays (num_envs, ...) in SI. An info holds what the reward was made of, and at the end of
-    an episode `terminal_observation` and `TimeLimit.truncated`.
+    Observations are a dictionary of float32 arrays (num_envs, ...) in SI units. Each info contains the quantities from
+    which the reward was computed and `TimeLimit.truncated`, and at the end of an episode `terminal_observation`.
     """
 
     def __init__(self, scene: str | os.PathLike[str], num_envs: int = 1, **settings: Any) -> None:
@@ -29,7 +29,7 @@ class VecEnv(vec_env.VecEnv):
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
 
     def reset(self) -> Obs:
-        """Starts the next episodes, or those of the seeds that `seed` has set."""
+        """Starts the next episodes, or those of the seeds set by `seed`."""
         seeds = None if all(seed is None for seed in self._seeds) else self._seeds
         obs, infos = self.vector.reset(seed=seeds)
         self.reset_infos = self._rows(infos)

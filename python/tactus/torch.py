@@ -1,8 +1,8 @@
-"""The network in PyTorch: the answers of `tactus.predict` with their derivatives, on any device, and as ONNX.
+"""Network in PyTorch: the predictions of `tactus.predict` with derivatives, on any device, and export to ONNX.
 
-Tactus computes the mechanics that the network sees (first contact, equilibrium on linear pads) and differentiates it by central differences;
-the network itself, and all of its derivatives, are PyTorch's. So there are first derivatives by poses, force and friction, and RuntimeError says
-so of second ones.
+Tactus computes the mechanical inputs of the network (first contact, equilibrium on linear pads) and differentiates them
+by central differences; the network itself and its derivatives are computed by PyTorch. There are thus first derivatives
+with respect to poses, force and friction; second derivatives raise RuntimeError.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from .face import FaceNetwork
 from .mechanics import Look, changed, differentiated
 from .models import lasting
 
-# Inputs of a grasp that no load changes.
+# Inputs of a grasp that do not depend on the load.
 LOADLESS = ("node", "pad", "near")
 
 
 class Answer(NamedTuple):
-    """Answers to the `G` grasps that have one, in the frame of each pad: `F` loads, `P` pads, `n` nodes."""
+    """Predictions for the `G` successful grasps, in the pad frames: `F` loads, `P` pads, `n` nodes."""
 
     displacement_m: Tensor
     """(G, F, P, n, 3)"""
@@ -42,7 +42,7 @@ class Answer(NamedTuple):
 
 
 class Network(FaceNetwork):
-    """A trained network. Its weights are frozen; `requires_grad_()` frees them."""
+    """Trained network. Its weights do not require gradients unless `requires_grad_()` is called."""
 
     def __init__(self, model: str | os.PathLike[str]) -> None:
         self.model = os.fspath(model)
@@ -51,7 +51,7 @@ class Network(FaceNetwork):
 
     @classmethod
     def load(cls, model: str | os.PathLike[str] = "universe") -> Network:
-        """Loads the network in the folder `model`, or the one that ships under this name."""
+        """Loads the network in the folder `model`, or the included one of this name."""
         return cls(model)
 
     def on(
@@ -62,7 +62,8 @@ class Network(FaceNetwork):
         extrapolate: bool = False,
         threads: int | None = None,
     ) -> SceneNetwork:
-        """Returns the network on the object and the pads of a scene, to be asked often; arguments as of `tactus.predict`."""
+        """Returns the network for the object and the pads of a scene, for repeated use; arguments as of
+        `tactus.predict`."""
         return SceneNetwork(self, scene, object, frames, extrapolate, threads)
 
     def answer(
@@ -73,12 +74,13 @@ class Network(FaceNetwork):
         friction: Any = None,
         **settings: Any,
     ) -> Answer:
-        """Answers the grasps of a scene once: :meth:`on` with these `settings`, asked as :meth:`SceneNetwork.forward` is."""
+        """Predicts the grasps of a scene once: :meth:`on` with these `settings`, then :meth:`SceneNetwork.forward`."""
         return self.on(scene, **settings)(poses, force, friction)
 
 
 class SceneNetwork(nn.Module):
-    """A network on the object and the pads of a scene. Copies and pickles hold its weights and the path of the scene, and read that again."""
+    """Network for the object and the pads of a scene. Copies and pickles store its weights and the path of the scene,
+    which is read again."""
 
     def __init__(
         self,
@@ -93,7 +95,7 @@ class SceneNetwork(nn.Module):
         self.network = network
         rest = frames, extrapolate, threads or os.cpu_count() or 1
         self.seen = _tactus.FaceInputs(os.fspath(scene), object, network.model, *rest)
-        # A copy may be made in another folder.
+        # A copy may be created in another working directory.
         self.made = os.path.abspath(scene), object, lasting(network.model), *rest
         self.of_pad = nn.Module()
         for name, array in self.seen.pad().items():
@@ -108,26 +110,28 @@ class SceneNetwork(nn.Module):
         self.seen = _tactus.FaceInputs(*self.made)
 
     def forward(self, poses: Any = None, force: Any = None, friction: Any = None) -> Answer:
-        """Answers grasps at `poses` (G, 7), px py pz qw qx qy qz of the hand in the object frame, under `force` (F) or (G, F), N, the sum over
-        the fingers, with `friction`, a number or (G); what is not given is as in the scene. Tensors among them that require a gradient have
-        one: each load by its own force, poses by all seven numbers. ValueError if no grasp has an answer, or `torch.func.vmap` maps one without."""
+        """Predicts grasps at `poses` (G, 7), px py pz qw qx qy qz of the hand in the object frame, under `force` (F) or
+        (G, F), N, sum over the fingers, with `friction`, a number or (G); None uses the values of the scene. The result
+        is differentiable with respect to tensors that require gradients: each load to its own force, poses to all seven
+        numbers. Raises ValueError if no grasp succeeds, or if a grasp fails under `torch.func.vmap`."""
         grasp, *which = self.inputs(poses, force, friction)
         return Answer(*self.network(self.pad(), grasp), *which)
 
     def pad(self) -> dict[str, Tensor]:
-        """Returns what the network sees of the pads, where its weights are and as exact as they are."""
+        """Returns the pad inputs of the network, on the device and in the precision of its weights."""
         own = self.network.weight("node.bias")
-        # Not kept: under `torch.func` they would be tensors of one call.
+        # Not cached, because tensors created under `torch.func` are valid in one call only.
         moved = lambda array: array.to(own) if array.is_floating_point() else array.to(own.device)  # noqa: E731
         return {name: moved(array) for name, array in self.of_pad.named_buffers()}
 
     def inputs(
         self, poses: Any = None, force: Any = None, friction: Any = None
     ) -> tuple[dict[str, Tensor], list[int], dict[int, str]]:
-        """Returns what the network sees of the grasps, as `src/net/infer/inputs.rs` lists it, and `grasp` and `failed` of :class:`Answer`."""
+        """Returns the grasp inputs of the network, as listed in `src/net/infer/inputs.rs`, and `grasp` and `failed` of
+        :class:`Answer`."""
         usual = self.seen.usual()
         given = [usual[name] if value is None else value for name, value in zip(usual, (poses, force, friction))]
-        # Where there are always f64.
+        # On the CPU, because some devices have no float64.
         poses, force, friction = (torch.as_tensor(value).cpu().double() for value in given)
         poses = poses.reshape(-1, poses.shape[-1])
         force, friction = force.reshape(1, -1) if force.dim() < 2 else force, friction.reshape(-1)
@@ -142,7 +146,7 @@ class SceneNetwork(nn.Module):
         return {name: self.moved(name, value, slope, along) for name, value, slope in arrays}, look.grasp, look.failed
 
     def moved(self, name: str, value: Tensor, slope: Tensor, along: Tensor) -> Tensor:
-        """An input as a tensor that is linear in the changes `along` (G, F, changes)."""
+        """Returns an input as a linear function of the parameter increments `along` (G, F, changes)."""
         x, slope, along = (array.to(self.network.weight("node.bias")) for array in (value, slope, along))
         if not along.shape[-1]:
             return x
@@ -151,16 +155,17 @@ class SceneNetwork(nn.Module):
         return x + torch.einsum("gcf...,gfc->gf...", slope, along)
 
     def export(self, file: str | os.PathLike[str]) -> list[str]:
-        """Writes the network on these pads as ONNX, for any number of grasps and loads. Returns the names of its inputs, in order: those of
-        :meth:`inputs`. It answers with `displacement_m`, `von_mises_pa` and `contact_force_n`. Needs onnxscript."""
+        """Exports the network for these pads to ONNX, for any number of grasps and loads. Returns the ordered names of
+        its inputs, those of :meth:`inputs`. Its outputs are `displacement_m`, `von_mises_pa` and `contact_force_n`.
+        Needs onnxscript."""
         with torch.no_grad():
             grasp, *_ = self.inputs()
         self.of_pad.to(self.network.weight("node.bias"))
-        # An axis of length one would be taken for constant.
+        # The exporter would treat an axis of length one as constant.
         grasp = {k: v[:1].repeat(2, *[1] * (v.dim() - 1)) for k, v in grasp.items()}
         grasp = {k: v if k in LOADLESS else v[:, :1].repeat(1, 2, *[1] * (v.dim() - 2)) for k, v in grasp.items()}
         axes = dict(enumerate(map(torch.export.Dim, ("grasps", "loads"))))
-        # PyTorch's type leaves room for the exporter that dynamo replaced.
+        # The return type of PyTorch also covers the older exporter.
         program: Any = torch.onnx.export(
             OnPads(self, list(grasp)).eval(),
             tuple(grasp.values()),
@@ -175,7 +180,7 @@ class SceneNetwork(nn.Module):
 
 
 class OnPads(nn.Module):
-    """A network on pads as ONNX has it: arrays in a row."""
+    """Network for given pads with positional arrays as inputs, for ONNX."""
 
     def __init__(self, on: SceneNetwork, names: list[str]) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-//! Actions of an agent: numbers from -1 to 1; a number beyond counts as the nearest end.
+//! Actions of an agent: numbers from -1 to 1; values outside are clamped.
 
 use crate::gripper::GraspPose;
 use crate::observe::ArraySpec;
@@ -6,28 +6,28 @@ use crate::scene::Task;
 use crate::scene::task::Control;
 use glam::{DQuat, DVec3};
 
-/// A decoded action.
+/// Decoded action.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Action {
     /// Sum of the finger forces, N.
     pub force: f64,
-    /// Angle of the wrist about the closing direction since the start, rad.
+    /// Wrist angle about the closing direction since the start, rad.
     pub twist: f64,
-    /// Shift (hand axes, m) and turn of a new grasp against the first one.
+    /// Translation (hand axes, m) and rotation of a new grasp relative to the first one; None keeps the grasp.
     pub regrasp: Option<(DVec3, DQuat)>,
 }
 
-/// Returns how many numbers an action of `task` has.
+/// Returns the number of components of an action of `task`.
 pub fn size(task: &Task) -> usize {
     1 + usize::from(task.twist_deg.is_some()) + if task.regrasp.is_some() { 3 } else { 0 }
 }
 
-/// Describes the actions of one environment, all in one array.
+/// Returns the specification of the action array of one environment.
 pub fn spec(task: &Task) -> ArraySpec {
     ArraySpec::new("action", &[size(task)], "1", [-1.0, 1.0])
 }
 
-/// Decodes `numbers` into an action, after a step with `force` and `twist`.
+/// Decodes `numbers` into an action; `force` (N) and `twist` (rad) are those of the previous step.
 pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
     let mut numbers = numbers.iter().map(|v| f64::from(*v).clamp(-1.0, 1.0));
     let mut next = || numbers.next().unwrap_or(0.0);
@@ -44,7 +44,7 @@ pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
     Action { force: force.clamp(least, most), twist, regrasp }
 }
 
-/// Returns the hand pose of a new grasp.
+/// Returns the hand pose of a new grasp: `first` shifted in hand axes (m) and rotated about `center` (hand frame, m).
 pub fn regrasped(first: &GraspPose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> GraspPose {
     super::draw::moved_hand(first, center, shift, turn)
 }

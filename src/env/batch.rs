@@ -19,7 +19,7 @@ use crate::world::environment::Environment;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Environments of one scene.
+/// Batch of environments of one scene.
 pub struct BatchEnv {
     shared: EnvShared,
     envs: Vec<Env>,
@@ -29,7 +29,7 @@ pub struct BatchEnv {
 }
 
 impl BatchEnv {
-    /// Creates environments of the scene file at `path`.
+    /// Creates a batch of environments of the scene file at `path`.
     ///
     /// # Errors
     /// Fails if the file cannot be loaded, and as [`BatchEnv::new`] does.
@@ -37,10 +37,11 @@ impl BatchEnv {
         Self::new(&load_set(path)?.scenes, config)
     }
 
-    /// Creates environments of the scenes of one file: one scene per object, of which every episode draws one.
+    /// Creates a batch of environments of the scenes of one file: one scene per object, from which every episode draws
+    /// one.
     ///
     /// # Errors
-    /// Fails for a scene without a task, and for models that cannot be built or that the backend refuses.
+    /// Fails for a scene without a task, and for models that cannot be built or that the backend rejects.
     pub fn new(set: &[NamedScene], config: BatchConfig) -> Result<Self> {
         if config.num_envs == 0 {
             return Err(Error::Start("a batch has at least one environment".into()));
@@ -56,7 +57,7 @@ impl BatchEnv {
             }
             Ok::<_, Error>(shared)
         };
-        // On its own threads: in a forked process those that all share are gone.
+        // In the own pool, because the global thread pool does not exist in a forked process.
         let shared = pool.install(open)??;
         let n = config.num_envs;
         let key = |i: usize| EpisodeKey { seed: config.seed, env: config.first_env + i as u64, episode: 0 };
@@ -76,7 +77,7 @@ impl BatchEnv {
         Ok(Self { envs: (0..n).map(|i| Env::new(key(i))).collect(), shared, config, pool, outputs })
     }
 
-    /// Replaces the scene's reward by one of the user's own.
+    /// Replaces the reward of the scene by a user-defined function.
     pub fn with_reward(mut self, reward: impl Fn(&StepInfo) -> f64 + Send + Sync + 'static) -> Self {
         self.shared.custom = Some(Box::new(reward));
         self
@@ -92,30 +93,31 @@ impl BatchEnv {
         &self.config
     }
 
-    /// Describes the observations of one environment.
+    /// Returns the specifications of the observations of one environment.
     pub fn observation_spec(&self) -> Vec<ArraySpec> {
         self.shared.senses.iter().map(|s| s.spec()).collect()
     }
 
-    /// Describes the action of one environment.
+    /// Returns the specification of the action of one environment.
     pub fn action_spec(&self) -> ArraySpec {
         action::spec(&self.shared.task)
     }
 
-    /// Starts the next episode of the environments in `mask` (None is all), or their first one if `seed` is given.
+    /// Starts the next episode of the environments in `mask` (None is all), or their first episode under `seed` if
+    /// given.
     ///
     /// # Errors
-    /// Fails for a mask of another length, and on an interruption.
+    /// Fails if the length of the mask does not match, and on an interruption.
     pub fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> std::result::Result<StepView<'_>, StepError> {
         let first = self.config.first_env;
         self.begin(mask, |i| seed.map(|seed| EpisodeKey { seed, env: first + i as u64, episode: 0 }))
     }
 
-    /// Starts episodes with one seed per environment, in the environments of `mask` (None is all). A seed starts the first episode
-    /// of a batch that has this seed and only one environment. None starts the next episode.
+    /// Starts episodes with one seed per environment, in the environments of `mask` (None is all). A seed starts the
+    /// first episode of a single-environment batch with this seed; None starts the next episode.
     ///
     /// # Errors
-    /// Fails for seeds or a mask of another length, and on an interruption.
+    /// Fails if the length of the seeds or the mask does not match, and on an interruption.
     pub fn reset_each(
         &mut self,
         seeds: &[Option<u64>],
@@ -128,7 +130,7 @@ impl BatchEnv {
         self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
     }
 
-    /// Starts the episodes that `key` names in the environments of `mask`; the next episode where `key` is None.
+    /// Starts the episodes `key(i)` in the environments of `mask`, or the next episode where `key(i)` is None.
     fn begin(
         &mut self,
         mask: Option<&[bool]>,
@@ -148,7 +150,7 @@ impl BatchEnv {
         let begun = pool.install(|| {
             envs.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, env)| {
                 if mask.is_none_or(|mask| mask[i]) && !interrupt::requested() {
-                    // Before the first reset there is no episode to go on from.
+                    // Before the first reset, the key is that of the episode to start.
                     let fresh = env.output.obs.is_empty();
                     let next = if fresh { env.key } else { env.key.next() };
                     env.begin(shared, key(i).unwrap_or(next));
@@ -164,8 +166,8 @@ impl BatchEnv {
     /// Takes one step of every environment; `actions` is (environments, action), row-major.
     ///
     /// # Errors
-    /// Fails for actions of another length, for numbers that are not finite, and if an environment waits for a reset: nothing has
-    /// changed then. Fails on an interruption: no environment has an episode then.
+    /// Fails if the length of `actions` does not match, if a number is not finite, and if an environment requires a
+    /// reset; the state is then unchanged. Fails on an interruption; all episodes are then discarded.
     pub fn step(&mut self, actions: &[f32]) -> std::result::Result<StepView<'_>, StepError> {
         let size = action::size(&self.shared.task);
         if actions.len() != size * self.envs.len() {
@@ -212,19 +214,19 @@ impl BatchEnv {
         StepView(&self.outputs)
     }
 
-    /// Saves the state of environment `env`, to be restored here or in another batch of the same scene.
+    /// Saves the state of environment `env`, which can be restored in any batch of the same scene.
     ///
     /// # Errors
-    /// Fails if the state cannot be written as bytes.
+    /// Fails if the state cannot be serialised.
     pub fn save(&self, env: usize) -> Result<Snapshot> {
         self.envs[env].save(&self.shared)
     }
 
-    /// Brings environment `env` to the state in which `snapshot` was saved, bit for bit.
+    /// Restores environment `env` bit for bit to the state saved in `snapshot`.
     ///
     /// # Errors
-    /// Fails for an environment that does not exist, and for a snapshot that is damaged or of another scene: nothing has changed
-    /// then. Fails on an interruption: no environment has an episode then.
+    /// Fails for an environment that does not exist, and for a snapshot that is damaged or of another scene; the state
+    /// is then unchanged.
     pub fn restore(&mut self, env: usize, snapshot: &Snapshot) -> std::result::Result<StepView<'_>, StepError> {
         let n = self.envs.len();
         let Self { shared, envs, pool, .. } = self;
@@ -236,25 +238,25 @@ impl BatchEnv {
         Ok(StepView(&self.outputs))
     }
 
-    /// Draws the current state of environment `env` as `tactus run` does.
+    /// Renders the current state of environment `env` like a frame of `tactus run`.
     ///
     /// # Errors
-    /// Fails if no episode runs, or if its state cannot be drawn.
+    /// Fails if no episode is running, or if its state cannot be drawn.
     pub fn render(&self, env: usize) -> Result<Pixmap> {
         self.envs[env].picture(&self.shared)
     }
 
-    /// Returns true if environment `env` was reset since it was made or interrupted.
+    /// Returns true if environment `env` has been reset since its creation or the last interruption.
     pub fn begun(&self, env: usize) -> bool {
         !self.envs[env].output.obs.is_empty()
     }
 
-    /// Returns the episode that environment `env` is in, or starts next.
+    /// Returns the current episode of environment `env`, or the next one before the first reset.
     pub fn key(&self, env: usize) -> EpisodeKey {
         self.envs[env].key
     }
 
-    /// Passes on the result `done` of the work of all environments. After an interruption no environment has an episode any more.
+    /// Converts the result `done` of parallel work; after an interruption, discards all episodes.
     fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
             self.envs.iter_mut().for_each(Env::abandon);
@@ -263,17 +265,17 @@ impl BatchEnv {
         done.map_err(|e| StepError::call(e.to_string()))
     }
 
-    /// Returns the world of environment `env`, to look at or to change; None without a running episode.
+    /// Returns the world of environment `env` for inspection or modification; None if no episode is running.
     pub fn environment(&mut self, env: usize) -> Option<&mut Environment> {
         self.envs[env].environment()
     }
 
-    /// Returns the object's name and the draw of the running episode of environment `env`.
+    /// Returns the object name and the drawn parameters of the running episode of environment `env`.
     pub fn episode(&self, env: usize) -> Option<(&str, &Draw)> {
         self.envs[env].draw().map(|draw| (self.shared.kinds[draw.object].name.as_str(), draw))
     }
 
-    /// Collects the results of all environments in arrays.
+    /// Gathers the results of all environments into the output arrays.
     fn collect(&mut self) {
         let out = &mut self.outputs;
         for (i, env) in self.envs.iter().enumerate() {
@@ -283,7 +285,7 @@ impl BatchEnv {
                 let size = array.spec.size();
                 let own = i * size..(i + 1) * size;
                 let part = start..start + size;
-                // An environment that was never reset has nothing to show.
+                // An environment that was never reset has no observations.
                 if let Some(obs) = from.obs.get(part.clone()) {
                     array.now[own.clone()].copy_from_slice(obs);
                 }

@@ -5,17 +5,18 @@
 pub struct BatchConfig {
     /// Number of environments.
     pub num_envs: usize,
-    /// Number of the first environment: shards of one batch on several machines number their environments on from it.
+    /// Global index of the first environment, so that shards of one batch on several machines number their environments
+    /// consecutively.
     pub first_env: u64,
-    /// Seed of all episodes until a reset gives another.
+    /// Seed of all episodes until a reset sets another.
     pub seed: u64,
     /// Behaviour after the end of an episode.
     pub autoreset: Autoreset,
-    /// Number of steps after which an episode is cut off; None uses the number of the task.
+    /// Number of steps after which an episode is truncated; None uses that of the task.
     pub max_steps: Option<usize>,
-    /// Number of threads; None uses as many as the machine has. The threads change no bit.
+    /// Number of threads; None uses all of the machine. Results do not depend on it, bit for bit.
     pub threads: Option<usize>,
-    /// Names of the scene's objects to draw from; None uses all.
+    /// Names of the objects to draw from; None uses all objects of the scene.
     pub objects: Option<Vec<String>>,
 }
 
@@ -36,10 +37,10 @@ impl Default for BatchConfig {
 /// Reset modes of Gymnasium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Autoreset {
-    /// Reset in the step after the last one of an episode: it ignores the action and starts the next episode.
+    /// Reset in the step after the end of an episode; this step ignores its action.
     #[default]
     NextStep,
-    /// Reset in the last step of an episode: it starts the next one, and keeps the last observation as the final one.
+    /// Reset within the last step of an episode, whose last observation is kept as the final observation.
     SameStep,
     /// No automatic reset: the caller resets the environments whose episodes have ended.
     Disabled,

@@ -1,4 +1,4 @@
-//! Differences between episodes: numbers drawn by (seed, environment, episode) and nothing else.
+//! Domain randomisation: episode parameters that depend on (seed, environment, episode) alone.
 
 use super::load::{Push, pushes};
 use crate::gripper::GraspPose;
@@ -8,26 +8,26 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Key of an episode.
+/// Key of the random numbers of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EpisodeKey {
     /// Seed of the batch.
     pub seed: u64,
-    /// Number of the environment.
+    /// Index of the environment.
     pub env: u64,
-    /// Number of the episode in it, from 0.
+    /// Index of the episode of this environment, from 0.
     pub episode: u64,
 }
 
 impl EpisodeKey {
-    /// Returns the random numbers of this episode; `attempt` counts starts that were not feasible.
+    /// Returns the random generator of this episode; `attempt` counts infeasible starts.
     pub fn random(&self, attempt: u64) -> Random {
         let words = [self.seed, self.env, self.episode, attempt];
         Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits()))
     }
 }
 
-/// Properties drawn for an episode.
+/// Randomised parameters of an episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Draw {
     /// Index of the object.
@@ -36,16 +36,16 @@ pub struct Draw {
     pub variant: usize,
     /// Pose of the hand in the object frame.
     pub pose: GraspPose,
-    /// Density of the object, kg/m3; None keeps that of the scene.
+    /// Density of the object, kg/m3; None uses that of the scene.
     pub density: Option<f64>,
-    /// Pushes, in their order.
+    /// Pushes, in temporal order.
     pub pushes: Vec<Push>,
 }
 
-/// Choices of a draw: the grasps of each object.
+/// Candidate grasps of each object.
 pub type Choices<'a> = &'a [&'a [GraspPose]];
 
-/// Draws an episode. `center` is the point midway between the pads, hand frame, m.
+/// Draws the parameters of an episode. `center` is the midpoint between the pads, hand frame, m.
 pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -> Draw {
     let scatter = &task.randomise;
     let object = random.below(choices.len());
@@ -63,7 +63,7 @@ pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -
     }
 }
 
-/// Returns the hand at `pose` shifted in its own axes (m) and turned about `center` (hand frame, m).
+/// Returns the hand pose `pose`, shifted in hand axes (m) and rotated about `center` (hand frame, m).
 pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) -> GraspPose {
     GraspPose {
         position: pose.position + pose.rotation * (center + shift - turn * center),
@@ -71,7 +71,7 @@ pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) ->
     }
 }
 
-/// Draws a unit vector, uniform on the sphere.
+/// Draws a unit vector, uniformly distributed on the sphere.
 fn direction(random: &mut Random) -> DVec3 {
     let (z, angle) = (2.0 * random.unit() - 1.0, TAU * random.unit());
     let r = (1.0 - z * z).max(0.0).sqrt();

@@ -1,4 +1,4 @@
-//! Single environment: a world, its episode, and its last output.
+//! Single environment: a world, its episode and its last output.
 
 use super::action::{self, Action};
 use super::draw::{Draw, EpisodeKey};
@@ -22,15 +22,15 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Largest number of starts that are tried before an episode counts as having none.
+/// Maximum number of attempts to find a feasible start of an episode.
 const TRIES: u64 = 8;
 
 /// Last output of an environment.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct StepOutput {
-    /// All observations, one after the other.
+    /// All observations, concatenated.
     pub obs: Vec<f32>,
-    /// Observations of an episode that the same step ended and followed by the next one; empty if there is none.
+    /// Final observations of an episode that ended in a step that also started the next one; otherwise empty.
     pub last: Vec<f32>,
     pub reward: f32,
     pub terminated: bool,
@@ -39,16 +39,16 @@ pub struct StepOutput {
     pub info: StepInfo,
 }
 
-/// An environment.
+/// Environment of a batch.
 pub struct Env {
     pub key: EpisodeKey,
     pub output: StepOutput,
-    /// True while the environment waits for a reset.
+    /// True if the environment requires a reset.
     pub ended: bool,
     run: Option<Run>,
 }
 
-/// An object in the hand.
+/// Running episode: the world with the grasped object.
 struct Run {
     environment: Environment,
     frame: Frame,
@@ -66,12 +66,12 @@ impl Env {
         Self { key, output: StepOutput::default(), ended: true, run: None }
     }
 
-    /// Returns the world of the running episode.
+    /// Returns the world of the running episode, if any.
     pub fn environment(&mut self) -> Option<&mut Environment> {
         self.run.as_mut().map(|run| &mut run.environment)
     }
 
-    /// Returns the draw of the running episode.
+    /// Returns the drawn parameters of the running episode, if any.
     pub fn draw(&self) -> Option<&Draw> {
         self.run.as_ref().map(|run| &run.draw)
     }
@@ -79,7 +79,7 @@ impl Env {
     /// Saves the state of the episode.
     ///
     /// # Errors
-    /// Fails if the state cannot be written as bytes.
+    /// Fails if the state cannot be serialised.
     pub fn save(&self, shared: &EnvShared) -> error::Result<Snapshot> {
         let mut history = HistoryWriter::default();
         history.write(&(self.ended, &self.output, self.run.is_some()));
@@ -87,15 +87,15 @@ impl Env {
         Ok(Snapshot::new(&shared.identity, self.key, history.finish()?))
     }
 
-    /// Returns to the state before the first reset, with the same episode next.
+    /// Discards the episode; the next reset starts it again.
     pub fn abandon(&mut self) {
         *self = Self::new(self.key);
     }
 
-    /// Draws the picture of the running episode.
+    /// Renders the running episode.
     ///
     /// # Errors
-    /// Fails if no episode runs, or if its state cannot be drawn.
+    /// Fails if no episode is running, or if its state cannot be drawn.
     pub fn picture(&self, shared: &EnvShared) -> crate::error::Result<Pixmap> {
         let none = || Error::Start("there is no episode to draw; reset the environment".into());
         let run = self.run.as_ref().ok_or_else(none)?;
@@ -103,10 +103,10 @@ impl Env {
         picture(run.model(shared), &run.frame, title)
     }
 
-    /// Goes on from a snapshot that was found to be of this scene.
+    /// Restores the state of a snapshot, which must have passed [`Snapshot::check`] for this scene.
     ///
     /// # Errors
-    /// Fails if the state cannot be read; nothing has changed then.
+    /// Fails if the state cannot be read; the environment is then unchanged.
     pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) -> error::Result<()> {
         let mut history = HistoryReader(&snapshot.state);
         let (ended, output, running) = history.read()?;
@@ -116,7 +116,7 @@ impl Env {
         Ok(())
     }
 
-    /// Starts the episode `key`.
+    /// Starts the episode `key`; if no attempt is feasible, the output contains the fault.
     pub fn begin(&mut self, shared: &EnvShared, key: EpisodeKey) {
         (self.key, self.ended) = (key, false);
         if let Some(run) = self.run.take() {
@@ -136,7 +136,7 @@ impl Env {
         }
     }
 
-    /// Ends the step: starts the next episode if this one has ended, and keeps its last observation.
+    /// Starts the next episode if this one has ended, keeping its last observation, reward and flags in the output.
     pub fn follow_on(&mut self, shared: &EnvShared) {
         if !self.ended {
             return;
@@ -150,7 +150,7 @@ impl Env {
     /// Takes one step of the episode.
     pub fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) {
         let Some(run) = &mut self.run else {
-            // The reset said why.
+            // The fault of the reset states the reason.
             let info = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
             (self.ended, self.output.terminated, self.output.info) = (true, true, info);
             self.output.reward = shared.pay(&info) as f32;
@@ -161,7 +161,7 @@ impl Env {
         output.fault = None;
         let done = run.advance(shared, numbers);
         let mut info = done.unwrap_or_else(|stop| {
-            // An object that leaves the hand is not held; nothing has failed.
+            // Dropping the object is an outcome, not a fault.
             output.fault = (!stop.dropped).then_some(stop.reason);
             StepInfo::default()
         });
@@ -175,7 +175,7 @@ impl Env {
         }
         (info.force, info.most) = (run.force, shared.task.force.at(1.0));
         output.reward = shared.pay(&info) as f32;
-        // A grasp that fails is followed by another one where the task has it so.
+        // A task with regrasping continues after a failed grasp.
         output.terminated = !info.held && shared.task.regrasp.is_none();
         output.truncated = !output.terminated && run.step >= shared.steps;
         output.info = info;
@@ -184,7 +184,7 @@ impl Env {
 }
 
 impl Run {
-    /// Closes the hand on the object of the draw; the object lies on its support.
+    /// Closes the hand on the object of the draw, which rests on its support.
     fn new(shared: &EnvShared, draw: Draw) -> Result<Self, Stop> {
         let force = shared.task.start.get();
         let (environment, frame) = grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
@@ -212,7 +212,7 @@ impl Run {
         &shared.variant(&self.draw).model
     }
 
-    /// Takes one step; on failure the frame is that of the last accepted state.
+    /// Takes one step; on failure, `frame` remains that of the last accepted state.
     fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
         self.step += 1;
         let Action { force, twist, regrasp } = action::decode(&shared.task, numbers, self.force, self.twist);
@@ -226,7 +226,7 @@ impl Run {
             self.frame = frame;
             self.slipped = 0.0;
         }
-        // A new grasp lifts the object at once.
+        // A new grasp carries the full weight immediately.
         let step = if regrasp.is_some() { self.step.max(self.loads.lift) } else { self.step };
         let load = self.loads.at(step, twist);
         let frame = drive(&mut self.environment, &model, force, load)?;
@@ -250,13 +250,13 @@ impl Run {
 }
 
 impl EpisodeKey {
-    /// Returns the next episode of the same environment.
+    /// Returns the key of the next episode of the same environment.
     pub fn next(self) -> Self {
         Self { episode: self.episode + 1, ..self }
     }
 }
 
-/// Makes a world whose hand has closed at `pose` with `force` (N, all fingers).
+/// Creates a world and closes its hand at `pose` with `force` (N, sum over the fingers).
 fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
     let mut environment = shared.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
@@ -268,7 +268,7 @@ fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) ->
     }
 }
 
-/// Closes a fresh hand with `force` (N, all fingers).
+/// Closes the hand of a new world with `force` (N, sum over the fingers).
 fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
     environment.world_mut().insert_resource(ForceCommand { force: 0.0 });
     loop {
@@ -282,7 +282,7 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
     }
 }
 
-/// Takes one step of the world under `force` (N, all fingers) and the load `load` on the object (N, hand frame).
+/// Takes one step of the world under `force` (N, sum over the fingers) and `load` on the object (N, hand frame).
 fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
     let world = environment.world_mut();
     world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });
@@ -296,7 +296,7 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
     }
 }
 
-/// Writes all observations.
+/// Writes all observations of `frame` to `out`.
 fn see(shared: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
     let (now, mut rest) = (Now { fingers: &model.fingers, object: &model.object, frame }, out);
     for sense in &shared.senses {

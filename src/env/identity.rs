@@ -1,4 +1,4 @@
-//! Identity of a scene's environments: all that decides the bits of an episode, whatever the names of its source files are.
+//! Identity of the environments of a scene: a hash of everything that affects an episode, independent of file names.
 
 use super::shared::ObjectKind;
 use crate::error::{Error, Result};
@@ -9,17 +9,18 @@ use glam::DVec3;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Returns the BLAKE3 hash, hexadecimal, of task, backend and gripper of `scene`, and of the objects and grasps of `kinds`.
+/// Returns the BLAKE3 hash (hexadecimal) of task, backend and gripper of `scene`, and of the objects and grasps of
+/// `kinds`.
 pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(text(task)?.as_bytes());
     let mut gripper = scene.gripper.clone();
-    // Their nodes are hashed below.
+    // The nodes of the pads are hashed below.
     gripper.pads = Pads::default();
     hasher.update(text(&gripper)?.as_bytes());
     match &scene.stepper {
         StepperChoice::Fem(fem) => hasher.update(text(&Fem { threads: None, ..*fem })?.as_bytes()),
-        // A network is its weights, wherever they lie.
+        // A network is identified by its weights, not by its path.
         StepperChoice::Gnn(gnn) => {
             hasher.update(text(&Gnn { model: PathBuf::new(), ..gnn.clone() })?.as_bytes());
             match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {

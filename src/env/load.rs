@@ -1,4 +1,4 @@
-//! Loads on the object: its weight, once the support is withdrawn, and pushes.
+//! Loads on the object: its weight, once the support is removed, and pushes.
 
 use crate::random::Random;
 use crate::scene::Task;
@@ -6,19 +6,19 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// A push, hand frame.
+/// Push on the object, hand frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Push {
-    /// First step with the push, from 1.
+    /// First step of the push, from 1.
     pub begin: usize,
-    /// Number of steps that it lasts.
+    /// Duration, steps.
     pub lasts: usize,
-    /// Largest force, N, across the closing direction.
+    /// Peak force, N, perpendicular to the closing direction.
     pub force: DVec3,
 }
 
 impl Push {
-    /// Returns the force at step `step`, N: half a sine, above zero from the first to the last of its steps.
+    /// Returns the force at step `step`, N: a half-sine pulse, positive in the first and the last of its steps.
     pub fn at(&self, step: usize) -> DVec3 {
         let on = (self.begin..self.begin + self.lasts).contains(&step);
         let part = (step + 1).saturating_sub(self.begin) as f64 / (self.lasts + 1) as f64;
@@ -37,20 +37,21 @@ pub fn pushes(task: &Task, random: &mut Random) -> Vec<Push> {
     (first..=task.steps.get()).step_by(wanted.every.get()).map(push).collect()
 }
 
-/// The loads of an episode.
+/// Loads of an episode.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EpisodeLoads {
-    /// Whole weight of the object, N, hand frame.
+    /// Full weight of the object, N, hand frame.
     pub weight: DVec3,
-    /// Number of steps in which the weight comes on.
+    /// Number of steps over which the weight is ramped up.
     pub lift: usize,
     /// Pushes.
     pub pushes: Vec<Push>,
 }
 
 impl EpisodeLoads {
-    /// Returns the force on the object's centre of mass at step `step` with the hand turned by `twist` (rad) about the closing
-    /// direction, N, hand frame. The component along the closing direction is left out: the fingers are geared.
+    /// Returns the force on the object's centre of mass at step `step`, N, hand frame, with the hand rotated by `twist`
+    /// (rad) about the closing direction. The component along the closing direction is zero, because the fingers are
+    /// mechanically coupled and support it.
     pub fn at(&self, step: usize, twist: f64) -> DVec3 {
         let part = (step as f64 / self.lift as f64).min(1.0);
         let weight = DQuat::from_rotation_x(-twist) * self.weight * part;

@@ -1,4 +1,4 @@
-//! Environments for reinforcement learning, many at once: one scene with a [`task`](crate::scene::Task), N worlds.
+//! Batched environments for reinforcement learning: one scene with a [`task`](crate::scene::Task), N worlds.
 //!
 //! ```text
 //! scene.ron -> EnvShared (models, grasps, sensors) -> N x Env (world, episode)  -> BatchEnv::step -> StepView
@@ -11,15 +11,16 @@
 //!                          -> arrays                     (crate::observe)
 //! ```
 //!
-//! An interruption ([`crate::interrupt`]) leaves a batch without episodes, never with steps that count for some and not for others.
-//! A forked process has lost the threads of its parent and starts its own (pool.rs).
+//! An interruption ([`crate::interrupt`]) discards the episodes of the whole batch, so that no environment is a step
+//! ahead of another. A forked process does not inherit the threads of its parent and starts its own (pool.rs).
 //!
-//! Differences between episodes are drawn by (seed, environment, episode) alone (draw.rs): neither the number of threads nor that
-//! of environments changes a bit of any of them.
+//! Episode parameters depend on (seed, environment, episode) alone (draw.rs): results do not depend, bit for bit, on
+//! the number of threads or environments.
 //!
-//! The load on the object is weight and pushes. The FEM backend feels it: friction holds the object or does not. The network knows
-//! friction only as it was in training. There the pads share the load out like the pressure, and the object is lost when the limit
-//! surface of the grip is passed (slip.rs).
+//! The load on the object is its weight and pushes. The FEM backend solves the contact with this load, so that friction
+//! may fail to hold the object. The network represents friction only as in its training data: there the load is
+//! distributed over the pads like the pressure, and the object is dropped when the load exceeds the limit surface of
+//! the grip (slip.rs).
 
 pub mod action;
 pub mod batch;

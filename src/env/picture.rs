@@ -1,11 +1,11 @@
-//! Pictures of an environment, as `tactus run` draws a frame.
+//! Pictures of an environment, like those of `tactus run`.
 
 use crate::error::Result;
 use crate::model::Model;
 use crate::record::{Frame, PadTopology};
 use crate::render::{Pixmap, Scalar, Style, render_pads};
 
-/// Draws the pads of `frame`, coloured by stress where the task asks for it, by displacement elsewhere.
+/// Renders the pads of `frame`, coloured by stress if the task computes it, otherwise by displacement.
 pub(crate) fn picture(model: &Model, frame: &Frame, title: String) -> Result<Pixmap> {
     let topologies: Vec<PadTopology> = model.fingers.iter().map(|f| PadTopology::clone(&f.topology)).collect();
     let scalar = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };

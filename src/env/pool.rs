@@ -1,17 +1,17 @@
-//! Threads of a batch. A forked process does not inherit them, so it starts its own.
+//! Thread pool of a batch. A forked process does not inherit threads, so it starts its own.
 
 use crate::error::{Error, Result};
 
-/// Threads of the process that uses them.
+/// Thread pool that is recreated after a fork.
 pub(crate) struct Pool {
     threads: Option<usize>,
-    /// Process that started them.
+    /// Id of the process that started the threads.
     owner: u32,
     pool: rayon::ThreadPool,
 }
 
 impl Pool {
-    /// Starts `threads` threads; None starts as many as the machine has.
+    /// Starts `threads` threads; None starts one per processor.
     ///
     /// # Errors
     /// Fails if the system cannot start them.
@@ -31,7 +31,7 @@ impl Pool {
     pub fn install<R: Send>(&mut self, work: impl FnOnce() -> R + Send) -> Result<R> {
         if self.owner != std::process::id() {
             let dead = std::mem::replace(self, Self::new(self.threads)?);
-            // Ending threads that are not there might wait for them.
+            // Dropping the pool could block, because it joins threads that do not exist in this process.
             std::mem::forget(dead);
         }
         Ok(self.pool.install(work))

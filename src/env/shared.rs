@@ -1,4 +1,4 @@
-//! Data that all environments of a batch share.
+//! Data shared by all environments of a batch.
 
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
@@ -16,57 +16,58 @@ use crate::world::environment::Environment;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// An object of the scene.
+/// Object of the scene.
 #[derive(Debug)]
 pub struct ObjectKind {
     /// Name of the object.
     pub name: String,
-    /// Scenes with this object, one per gel and friction.
+    /// Models with this object, one per combination of gel and friction.
     pub variants: Vec<Variant>,
-    /// Allowed poses of the hand.
+    /// Candidate grasp poses.
     pub poses: Vec<GraspPose>,
 }
 
-/// A gel and a friction.
+/// Combination of gel stiffness and friction coefficient.
 #[derive(Debug)]
 pub struct Variant {
-    /// Scene with this gel and friction.
+    /// Model with this gel and friction.
     pub model: Arc<Model>,
-    /// Coefficient of friction that the grip is judged with: a backend that does not solve friction keeps its own.
+    /// Friction coefficient used to evaluate the grip; the model of a backend that does not solve friction keeps the
+    /// nominal one.
     pub friction: f64,
 }
 
-/// Models, grasps, sensors, backend.
+/// Shared models, grasps, sensors and backend.
 pub struct EnvShared {
-    /// The task.
+    /// Task of the agent.
     pub task: Task,
-    /// The objects.
+    /// Objects.
     pub kinds: Vec<ObjectKind>,
-    /// Identity, which differs between arenas of different scenes.
+    /// Identity hash, which differs between environments of different scenes.
     pub identity: String,
-    /// The backend.
+    /// Backend.
     pub stepper: Box<dyn Stepper>,
-    /// Senses that write the observations, one after the other.
+    /// Sensors that write the observations, in order.
     pub senses: Vec<Box<dyn Sense>>,
     /// Number of steps of an episode.
     pub steps: usize,
-    /// The user's reward, if there is one.
+    /// User-defined reward, if any.
     pub custom: Option<Box<Custom>>,
     /// Gravity in the object frame at the start, m/s2.
     gravity: DVec3,
-    /// Worlds whose episode is over.
+    /// Worlds of finished episodes, for reuse.
     idle: Mutex<Vec<Environment>>,
 }
 
-/// Largest number of idle worlds that are kept for reuse by a grasp of the same model.
+/// Maximum number of idle worlds kept for reuse by grasps of the same model.
 const IDLE: usize = 16;
 
 impl EnvShared {
-    /// Builds everything that `objects` (None is all) of `set` need.
+    /// Builds the shared data for `objects` (None is all) of `set`.
     ///
     /// # Errors
-    /// Fails for a scene without a task, for an object that the scene does not have, and for models that cannot be built or that
-    /// the backend refuses.
+    /// Fails for a scene without a task, for an object that the scene does not contain, and for models that cannot be
+    /// built or that the backend rejects.
     pub fn new(set: &[NamedScene], objects: Option<&[String]>, max_steps: Option<usize>) -> Result<Self> {
         let names = || set.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ");
         let has = |name: &String| set.iter().any(|s| s.name.as_str() == name);
@@ -98,18 +99,18 @@ impl EnvShared {
         })
     }
 
-    /// Returns the `attempt`th draw of an episode.
+    /// Draws the parameters of an episode; `attempt` counts infeasible starts.
     pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> Draw {
         let choices: Vec<&[GraspPose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
 
-    /// Returns gel, friction and model of a draw.
+    /// Returns the variant of a draw.
     pub fn variant(&self, draw: &Draw) -> &Variant {
         &self.kinds[draw.object].variants[draw.variant]
     }
 
-    /// Makes a world for a grasp of `model`.
+    /// Returns a world for a grasp of `model`: an idle one restarted, or a new one.
     ///
     /// # Errors
     /// Fails as [`Environment::new`] does.
@@ -125,7 +126,7 @@ impl EnvShared {
         Ok(environment)
     }
 
-    /// Takes back a world that is no longer needed.
+    /// Keeps a world that is no longer needed for reuse; drops the oldest if there are too many.
     pub fn retire(&self, environment: Environment) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.push(environment);
@@ -134,7 +135,7 @@ impl EnvShared {
         drop(first);
     }
 
-    /// Returns the weight of the object of a draw with the hand at `pose`, N, hand frame.
+    /// Returns the weight of the object with the hand at `pose`, N, hand frame.
     pub fn weight(&self, draw: &Draw, pose: &GraspPose) -> DVec3 {
         let model = &self.variant(draw).model;
         let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
@@ -147,12 +148,12 @@ impl EnvShared {
         fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / fingers.len() as f64
     }
 
-    /// Returns the number of values that an agent observes.
+    /// Returns the total number of observed values.
     pub fn seen(&self) -> usize {
         self.senses.iter().map(|s| s.spec().size()).sum()
     }
 
-    /// Returns the payment for a step.
+    /// Returns the reward of a step.
     pub fn pay(&self, info: &StepInfo) -> f64 {
         match &self.custom {
             Some(custom) => custom(info),
@@ -165,7 +166,8 @@ impl ObjectKind {
     fn new(named: &NamedScene, task: &Task, stepper: &dyn Stepper) -> Result<Self> {
         let random = &task.randomise;
         let count = random.variants.get();
-        // Friction goes through its strata in another order than the modulus: (i * step) mod n with step and n coprime.
+        // Stratified sampling: friction permutes its strata relative to the modulus, (i * step) mod n with step and n
+        // coprime.
         let step = (count / 2 + 1..).find(|s| coprime(*s, count)).unwrap_or(1);
         let part = |k: usize| (k as f64 + 0.5) / count as f64;
         let variant = |k: usize| {
@@ -180,13 +182,13 @@ impl ObjectKind {
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
-                // What a prediction costs in truth is for reports, not for agents.
+                // `shape` (smallest det F and gap of a prediction) is needed for reports only.
                 (model.needs.task, model.needs.shape) = (true, false);
                 model.needs.observe(&task.observe);
                 model.largest_drift = Some(LEASH * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
-                // An agent has it free from the start.
+                // The object is free from the first force level.
                 model.release = model.contact_force().min(model.levels[0]);
             }
             Ok(Variant { model, friction })
@@ -196,11 +198,11 @@ impl ObjectKind {
     }
 }
 
-/// Motion of the object in one step at which it counts as lost, over the way over the pads that ends an episode; the object may
-/// roll, too.
+/// Motion of the object in one step at which it counts as dropped, relative to the accumulated slip that ends an
+/// episode; above 1, because the object may also roll.
 const LEASH: f64 = 2.0;
 
-/// Returns the scene as an environment uses it: loads come from the task, and only the fields that it looks at are recorded.
+/// Returns the scene adapted to an environment: the task defines the loads, and only the fields it uses are recorded.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.promise_nothing();
@@ -213,13 +215,13 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Returns the gel with Young's modulus times `factor`.
+/// Returns the material with Young's modulus multiplied by `factor`.
 fn scaled(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
     let spec = material.spec();
     leaf(material.with(spec.young * factor, spec.poisson))
 }
 
-/// Turns the message of a value from the task into an error.
+/// Converts the message about an invalid value of the task into an error.
 fn leaf<T>(value: std::result::Result<T, String>) -> Result<T> {
     value.map_err(|message| Error::Start(format!("task: {message}")))
 }

@@ -1,12 +1,12 @@
-//! Quality of the hold on the object: its way over the pads, and the load that the grip can still carry.
+//! Grasp quality: slip of the object over the pads, and friction margin of the grip.
 
 use crate::linear::limit_surface::LimitSurface;
 use crate::model::Model;
 use crate::record::Frame;
 use glam::DVec3;
 
-/// Returns the part of the friction limit that the load `load` (N, hand frame, at the object's centre of mass) leaves: 1 without
-/// load, 0 where the object slips as a whole, negative beyond.
+/// Returns the fraction of the friction limit that `load` (N, hand frame, at the object's centre of mass) leaves
+/// unused: 1 without load, 0 at gross slip, negative beyond.
 pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
     let Some(finger) = model.fingers.first() else { return 1.0 };
     let presses = frame.pads.iter().zip(&model.fingers).flat_map(|(pad, finger)| {
@@ -17,8 +17,8 @@ pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
     LimitSurface::new(finger.placement.closing, presses).margin(friction, load, mass, DVec3::ZERO)
 }
 
-/// Returns the way of the object over the pads between two frames, across the closing direction, m. It is the mean over the pads of
-/// the relative motion of the points in contact, weighted with the pressure before.
+/// Returns the slip of the object over the pads between two frames, perpendicular to the closing direction, m. It is
+/// the mean over the pads of the relative motion of the nodes in contact, weighted by the normal force in `before`.
 pub fn slip(model: &Model, before: &Frame, now: &Frame) -> f64 {
     let carried = |x: DVec3| {
         let own = before.object_rotation.inverse() * (x - before.object_position);

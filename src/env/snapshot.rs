@@ -1,24 +1,24 @@
-//! Snapshots: saved environments.
+//! Snapshots of environments.
 
 use super::draw::EpisodeKey;
 use serde::{Deserialize, Serialize};
 
-/// Version of the content of a snapshot.
+/// Version of the snapshot format.
 const FORMAT: u32 = 3;
 
-/// Saved state of an environment: with it the episode goes on bit for bit, here or in another process. Its size does not depend on
-/// the length of the episode.
+/// Saved state of an environment, from which the episode continues bit for bit, in this or another process. Its size is
+/// independent of the length of the episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Version of this format.
     pub format: u32,
-    /// BLAKE3 of all of the scene that decides an episode, hexadecimal.
+    /// BLAKE3 identity hash of the scene, hexadecimal.
     pub scene: String,
-    /// The episode.
+    /// Key of the episode.
     pub key: EpisodeKey,
     /// State of the environment, see [`crate::history`].
     pub state: Vec<u8>,
-    /// BLAKE3 of all the above.
+    /// BLAKE3 hash of all fields above.
     pub checksum: [u8; 32],
 }
 
@@ -29,24 +29,25 @@ impl Snapshot {
         snapshot
     }
 
-    /// Returns the snapshot as bytes.
+    /// Serialises the snapshot.
     ///
     /// # Errors
-    /// Fails if it cannot be written; the message says why.
+    /// Fails if the snapshot cannot be serialised; the message states the reason.
     pub fn to_bytes(&self) -> Result<Vec<u8>, String> {
         postcard::to_stdvec(self).map_err(|e| format!("the snapshot cannot be written: {e}"))
     }
 
-    /// Reads the snapshot that [`Snapshot::to_bytes`] wrote.
+    /// Deserialises a snapshot written by [`Snapshot::to_bytes`].
     ///
     /// # Errors
-    /// Fails for bytes that are cut off or are no snapshot.
+    /// Fails if the bytes are truncated or not a snapshot.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         postcard::from_bytes(bytes)
             .map_err(|e| format!("the snapshot cannot be read: {e}; it is cut off, was changed, or is no snapshot"))
     }
 
-    /// Checks that the snapshot can be restored in environments of `scene`. The error says why it cannot.
+    /// Checks that the snapshot can be restored in environments of identity `scene`. The error states the reason why
+    /// not.
     pub(crate) fn check(&self, scene: &str) -> Result<(), String> {
         if self.format != FORMAT {
             return Err(format!("the snapshot has format {}; this version of tactus reads {FORMAT}", self.format));

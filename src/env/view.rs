@@ -1,9 +1,9 @@
-//! View of the results of a step: borrowed from the batch, so that no one keeps arrays that the next step overwrites.
+//! Results of a step, borrowed from the batch, so that arrays cannot be used after the next step has overwritten them.
 
 use super::reward::StepInfo;
 use crate::observe::ArraySpec;
 
-/// Array of all environments: (environments, shape of the spec).
+/// Array of all environments: (environments, shape of the specification).
 #[derive(Debug, Clone)]
 pub(crate) struct EnvArray {
     pub spec: ArraySpec,
@@ -28,12 +28,13 @@ pub(crate) struct Outputs {
 pub struct StepView<'a>(pub(crate) &'a Outputs);
 
 impl<'a> StepView<'a> {
-    /// Returns the observations `name`: (environments, shape), row-major; None if the task has no such array.
+    /// Returns the observation `name` as (environments, shape), row-major; None if the task has no such observation.
     pub fn obs(&self, name: &str) -> Option<&'a [f32]> {
         self.0.arrays.iter().find(|a| a.spec.name == name).map(|a| a.now.as_slice())
     }
 
-    /// Returns the last observations of the episodes that this step ended, where [`StepView::ended`] is true; elsewhere zero.
+    /// Returns the last observation of the episodes that ended in this step, where [`StepView::ended`] is true;
+    /// elsewhere zero.
     pub fn final_obs(&self, name: &str) -> Option<&'a [f32]> {
         self.0.arrays.iter().find(|a| a.spec.name == name).map(|a| a.last.as_slice())
     }
@@ -43,12 +44,13 @@ impl<'a> StepView<'a> {
         &self.0.reward
     }
 
-    /// Returns, per environment, true if the object is lost or the solver gave up.
+    /// Returns, per environment, true if the episode was terminated: the object was dropped or slipped too far, the
+    /// solver failed, or there was no feasible start.
     pub fn terminated(&self) -> &'a [bool] {
         &self.0.terminated
     }
 
-    /// Returns, per environment, true if the episode was cut off.
+    /// Returns, per environment, true if the episode was truncated.
     pub fn truncated(&self) -> &'a [bool] {
         &self.0.truncated
     }
@@ -58,25 +60,25 @@ impl<'a> StepView<'a> {
         &self.0.ended
     }
 
-    /// Returns the reason why environment `env` has no state for this step: no equilibrium, or no feasible start. An object that
-    /// leaves the hand is no fault. The last accepted state stands, and the episode is terminated.
+    /// Returns the reason for which environment `env` has no state for this step: no equilibrium, or no feasible start.
+    /// A dropped object is not a fault. The environment keeps the last accepted state.
     pub fn fault(&self, env: usize) -> Option<&'a str> {
         self.0.faults[env].as_deref()
     }
 
-    /// Returns the information on the step from which each reward was computed.
+    /// Returns the step information from which each reward was computed.
     pub fn info(&self) -> &'a [StepInfo] {
         &self.0.info
     }
 }
 
-/// Error of a call that no environment can carry out. Nothing has changed then, except after an interruption.
+/// Error of a reset, step or restore. The state is unchanged, except after an interruption.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct StepError {
-    /// Environment at fault; None if the call is at fault.
+    /// Environment that caused the error; None if the call itself is invalid.
     pub env: Option<usize>,
-    /// Message that says what is wrong and what is allowed.
+    /// Message that states what is wrong and what is allowed.
     pub message: String,
 }
 

@@ -1,4 +1,4 @@
-//! Files that are either complete or absent, and errors that say what to do.
+//! Atomic writing of files, and error messages with remedies.
 
 use crate::error::{Error, Result};
 use std::ffi::OsString;
@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes `bytes` to `path` so that a reader, or a run killed half-way, sees the old content or the new, never a part.
+/// Writes `bytes` to `path` atomically: a reader, also after a crash, finds the old or the new content, never a part.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -15,8 +15,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |temporary| std::fs::write(temporary, bytes))
 }
 
-/// Writes `bytes` like [`write_atomic`], with the content on the disk before the file has its name: see
-/// [`replace_durable`].
+/// Writes `bytes` like [`write_atomic`], and flushes the content to disk before the rename: see [`replace_durable`].
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -24,10 +23,10 @@ pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<()> {
     replace_durable(path, |temporary| std::fs::write(temporary, bytes))
 }
 
-/// Lets `write` fill a temporary file beside `path` and renames it into place.
+/// Calls `write` for a temporary file next to `path` and renames it to `path`.
 ///
-/// A power cut may still lose the last content. That is acceptable for content that is quickly made again: frames for
-/// ParaView, pictures, pages, the state of a run that goes on.
+/// A power failure may lose the last content, which is acceptable for content that is cheap to recreate: frames for
+/// ParaView, pictures, pages, the state of a running run.
 ///
 /// # Errors
 /// Fails if `write` fails or the file cannot be created or renamed.
@@ -35,10 +34,10 @@ pub fn replace(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> Resu
     place(path, write, false)
 }
 
-/// Replaces the file like [`replace`] and waits until content and name are on the disk: a power cut leaves the old
-/// content or the new.
+/// Replaces the file like [`replace`] and flushes content and name to disk: after a power failure the file has the old
+/// or the new content.
 ///
-/// It is meant for content that took long to compute: the final `run.json`, arrays, data sets with their records,
+/// Intended for content that is expensive to compute: the final `run.json`, arrays, data sets with their records,
 /// checkpoints, trained models.
 ///
 /// # Errors
@@ -57,7 +56,7 @@ fn place(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>, durable: bool
     };
     let outcome = reserve(path).and_then(|temporary| {
         fill(&temporary).inspect_err(|_| {
-            // The half-written file is of no use, and may be what filled the disk; the first error is the one to report.
+            // The incomplete file may have filled the disk; the first error is the one to report.
             let _ = std::fs::remove_file(&temporary);
         })
     });
@@ -67,18 +66,18 @@ fn place(path: &Path, write: impl FnOnce(&Path) -> io::Result<()>, durable: bool
     outcome.map_err(|error| cannot_write(path, &error))
 }
 
-/// Waits until the names in the folder of `path` are on the disk, if the system supports that.
+/// Flushes the folder of `path` to disk if the system supports that.
 pub fn sync_folder(path: &Path) {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Some systems and file systems do not sync folders; the content is safe all the same.
+    // Some systems and file systems cannot flush folders; the content is on disk nevertheless.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Ending of the names of temporary files.
+/// Extension of temporary files.
 const PART: &str = ".part";
 
-/// Creates an empty file `.NAME.PROCESS.NUMBER.part` beside `path`, which no other process writes. It is beside it and
-/// not in /tmp, because a rename is atomic only within one file system.
+/// Creates an empty file `.NAME.PROCESS.NUMBER.part` in the folder of `path`, which no other process writes; not in
+/// /tmp, because a rename is atomic only within one file system.
 fn reserve(path: &Path) -> io::Result<PathBuf> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     loop {
@@ -89,14 +88,14 @@ fn reserve(path: &Path) -> io::Result<PathBuf> {
         let temporary = path.with_file_name(name);
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(_) => return Ok(temporary),
-            // Of a process of another machine, or of one that was killed.
+            // The name belongs to a process on another machine, or to one that was killed.
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
             Err(e) => return Err(e),
         }
     }
 }
 
-/// Removes the temporary files that killed processes left in `dir`; only for the sole writer of the folder.
+/// Removes temporary files of killed processes from `dir`; to be called only by the sole writer of the folder.
 pub fn remove_left_over(dir: &Path) {
     let Ok(entries) = std::fs::read_dir(dir) else { return };
     for entry in entries.flatten() {
@@ -105,7 +104,7 @@ pub fn remove_left_over(dir: &Path) {
         let mut numbers = fields.into_iter().flat_map(|f| f.rsplitn(3, '.').take(2));
         let number = |n: Option<&str>| n.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
         if number(numbers.next()) && number(numbers.next()) {
-            // That it stays is not worth an error.
+            // A file that cannot be removed is harmless.
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -119,7 +118,7 @@ pub fn create_dir(dir: &Path) -> Result<()> {
     std::fs::create_dir_all(dir).map_err(|error| cannot_write(dir, &error))
 }
 
-/// Returns an [`Error::File`] for a failed write with the likely remedy.
+/// Returns the error for a failed write, with a likely remedy.
 pub fn cannot_write(path: &Path, error: &io::Error) -> Error {
     let remedy = match error.kind() {
         ErrorKind::PermissionDenied => {

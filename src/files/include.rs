@@ -1,19 +1,20 @@
-//! Bounds of files that include other files: scenes, and descriptions of robots.
+//! Limits for files that include other files: scenes and robot descriptions.
 
 use std::path::{Path, PathBuf};
 
-/// Largest size of all files that belong together, bytes: far above any scene or robot, far below any harm.
+/// Maximum total size of a file and its includes, bytes: far above any scene or robot, small enough to be harmless.
 pub const SIZE_LIMIT: u64 = 16 * 1024 * 1024;
-/// Longest chain of includes.
+/// Maximum nesting depth of includes.
 const DEPTH: usize = 16;
-/// Largest number of files that belong together: includes that include each other's includes multiply.
+/// Maximum number of files, because nested includes can multiply.
 const FILES: usize = 256;
 
-/// Says whether the file at `path` may be included after `read` others; `chain` holds the files being read, outermost first, with canonical
-/// paths.
+/// Checks that the file at `path` may be included after `read` others; `chain` holds the canonical paths of the files
+/// being read, outermost first.
 ///
 /// # Errors
-/// Fails, with the names of the files, if they include each other in a circle, the chain is too long or the files are too many.
+/// Fails if files include each other recursively (the message lists them), if includes are nested too deeply, or if
+/// there are too many files.
 pub fn may_include(path: &Path, chain: &[PathBuf], read: usize) -> Result<(), String> {
     let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let show = |chain: &[PathBuf]| chain.iter().map(|p| name(p)).collect::<Vec<_>>().join(" -> ");

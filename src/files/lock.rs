@@ -1,6 +1,7 @@
-//! Folders that one process writes at a time: two processes that fill one folder would replace each other's results.
+//! Exclusive access to folders: two processes that write to one folder would overwrite each other's results.
 //!
-//! The system locks a file and releases it with the process. Where the file system has no locks, a [`LockFile`] stands in their place.
+//! A file lock of the operating system is released when the process ends. On file systems without locks a [`LockFile`]
+//! replaces it.
 
 use super::atomic::{cannot_write, create_dir, remove_left_over};
 use super::lock_file::LockFile;
@@ -11,37 +12,37 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Name of the file that is locked.
+/// Name of the lock file in a folder.
 pub const LOCK: &str = ".lock";
 
-/// Folder held by this process until dropped; a process that ends, in whatever way, releases it.
+/// Lock on a folder, held until dropped; it is released however the process ends.
 #[derive(Debug)]
 pub struct FolderLock {
     holding: Holding,
 }
 
-/// Means by which a folder is held.
+/// Implementation of the lock.
 #[derive(Debug)]
 enum Holding {
-    /// Lock of the system on the file at `path`.
+    /// File lock of the operating system on `path`.
     System { path: PathBuf, alone: bool, _file: File },
-    /// File that stands in its place.
+    /// Lock file used instead.
     File { file: LockFile, reason: String },
 }
 
 impl FolderLock {
-    /// Creates `dir` if necessary and takes it for `command` alone, like "tactus train". Files that killed processes left half-written in
-    /// it are removed.
+    /// Creates `dir` if necessary and locks it exclusively for `command`, e.g. "tactus train". Removes incomplete files
+    /// of killed processes.
     ///
     /// # Errors
-    /// Fails if another process holds the folder (with its number), or the folder cannot be written.
+    /// Fails if another process holds the lock (the message states its id), or if the folder cannot be written.
     pub fn alone(dir: &Path, command: &str) -> Result<Self> {
         let lock = Self::take(dir, command, true)?;
         remove_left_over(dir);
         Ok(lock)
     }
 
-    /// Takes `dir` beside others that take it in this way and write other files.
+    /// Locks `dir` in shared mode, for processes that write different files.
     ///
     /// # Errors
     /// Fails in the cases of [`Self::alone`].
@@ -54,7 +55,7 @@ impl FolderLock {
         Ok(Self { holding: Holding::take(dir, command, alone)? })
     }
 
-    /// Returns a notice for the user if the folder is held without a lock of the system.
+    /// Returns a notice for the user if the lock is not one of the operating system.
     pub fn notice(&self) -> Option<String> {
         let Holding::File { file, reason } = &self.holding else { return None };
         Some(format!(
@@ -70,14 +71,14 @@ impl Holding {
         let path = dir.join(LOCK);
         let fail = |e: &std::io::Error| cannot_write(&path, e);
         loop {
-            // Not cut: it may hold the number of another process.
+            // Not truncated, because it may contain the command of the current holder.
             let open = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = open.map_err(|e| fail(&e))?;
             match if alone { file.try_lock() } else { file.try_lock_shared() } {
                 Ok(()) if !is_at(&file, &path) => continue,
                 Ok(()) => {
                     let number = if alone { format!(" (process {})", std::process::id()) } else { String::new() };
-                    // Without the name a message says less.
+                    // Failure is harmless: messages then lack the name of the holder.
                     let _ = file.set_len(0).and_then(|()| file.write_all(format!("`{command}`{number}").as_bytes()));
                 }
                 Err(TryLockError::WouldBlock) => {
@@ -88,7 +89,7 @@ impl Holding {
                     return Err(Error::file(dir, message));
                 }
                 Err(TryLockError::Error(e)) if has_no_locks(&e) => {
-                    // A holder that has a lock wrote its name into it.
+                    // A non-empty file belongs to a process that could lock it.
                     if file.metadata().is_ok_and(|meta| meta.len() == 0) {
                         let _ = std::fs::remove_file(&path);
                     }
@@ -103,8 +104,9 @@ impl Holding {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // Before the lock is given up: who takes it then looks whether its file still has the name. Others beside have the same
-        // file, and Windows keeps a name until the last handle is closed.
+        // Removed before the lock is released; a process that acquires it afterwards checks that its file still has
+        // this name. Shared locks keep the file for the other holders, and Windows keeps a name until the last handle
+        // is closed.
         if let Holding::System { path, alone: true, .. } = &self.holding
             && cfg!(unix)
         {
@@ -113,24 +115,24 @@ impl Drop for FolderLock {
     }
 }
 
-/// Turn of a thread at what several threads and processes write in one folder; it ends when this is dropped.
+/// Exclusive lock of a thread on a file of a folder that several threads and processes write to; released when dropped.
 #[derive(Debug)]
 pub enum Turn {
-    /// Lock of the system.
+    /// File lock of the operating system.
     System(File),
-    /// File that stands in its place.
+    /// Lock file used instead.
     File(LockFile),
 }
 
-/// Longest time for which a turn is waited for where the system does not end it with its process.
+/// Maximum waiting time for locks that the operating system does not release with their process.
 const LONGEST_TURN: Duration = Duration::from_secs(600);
 
 impl Turn {
-    /// Waits for the turn of `command` at the file `path`, which is created and stays.
+    /// Waits for the lock of `command` on the file `path`, which is created and not removed.
     ///
     /// # Errors
-    /// Fails if the file cannot be written, an end is requested, or another process keeps its turn for ten minutes without a lock of the
-    /// system.
+    /// Fails if the file cannot be written, on an interruption, or if another process holds a [`LockFile`] for ten
+    /// minutes.
     pub fn wait(path: &Path, command: &str) -> Result<Self> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
         match file.lock() {
@@ -145,15 +147,16 @@ impl Turn {
                 Err(error) if Instant::now() >= until => return Err(error),
                 Err(_) => interrupt::check()?,
             }
-            // Two that gave way to each other come back at different times.
+            // The delay depends on the process, so that two processes that gave way to each other retry at different
+            // times.
             std::thread::sleep(Duration::from_millis(20 + u64::from(std::process::id() % 32)));
         }
     }
 }
 
-/// Returns true if a file system says by this error that it has no locks.
+/// Returns true if this error means that the file system does not support locks.
 fn has_no_locks(error: &std::io::Error) -> bool {
-    // ENOLCK has no kind of its own: NFS without its lock service and Lustre without `-o flock` answer with it.
+    // ENOLCK has no `ErrorKind`; NFS without its lock service and Lustre without `-o flock` return it.
     #[cfg(unix)]
     let none = rustix::io::Errno::from_io_error(error) == Some(rustix::io::Errno::NOLCK);
     #[cfg(not(unix))]
@@ -161,13 +164,13 @@ fn has_no_locks(error: &std::io::Error) -> bool {
     none || error.kind() == std::io::ErrorKind::Unsupported
 }
 
-/// Returns true if a process holds `dir`, or held it and was killed.
+/// Returns true if a process holds a lock on `dir`, or was killed while holding it.
 pub fn is_held(dir: &Path) -> bool {
     let names = std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.file_name());
     names.into_iter().any(|name| name.to_str().is_some_and(|name| name.starts_with(LOCK)))
 }
 
-/// Returns true if `path` still leads to `file`: its last holder may have removed the name after it was opened.
+/// Returns true if `path` still refers to `file`: its last holder may have removed the name after it was opened.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -1,7 +1,8 @@
-//! Folders held by a file, where the file system has no locks, as NFS and Lustre may have none.
+//! Lock files, for file systems without locks, e.g. some NFS and Lustre mounts.
 //!
-//! Instead of a lock on the file BASE, a process has a file `BASE.KIND.HOST.PROCESS` beside it, where KIND is `alone` or `beside`. It creates
-//! its own first and looks for those of others then: of two processes that begin at once, at least one sees the other and gives way.
+//! Instead of locking the file BASE, a process creates a file `BASE.KIND.HOST.PROCESS`, where KIND is `alone`
+//! (exclusive) or `beside` (shared). It creates its own file before it looks for others: of two processes that start at
+//! once, at least one finds the other and gives way.
 
 use super::atomic::cannot_write;
 use crate::error::{Error, Result};
@@ -9,24 +10,24 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// Lock file of this process; it is removed when this is dropped. One that a killed process left is removed by the next process of the
-/// same machine.
+/// Lock file of this process, removed when dropped. A file left by a killed process is removed by the next process on
+/// the same machine.
 #[derive(Debug)]
 pub struct LockFile {
     path: PathBuf,
 }
 
 impl LockFile {
-    /// Takes what `base` stands for, for `command`, like "tactus train": alone, or beside others that take it in this way.
+    /// Acquires the lock `base` for `command`, e.g. "tactus train"; exclusive if `alone`, otherwise shared.
     ///
     /// # Errors
-    /// Fails if another process holds it, or one of another machine may hold it, with the file to delete if it does not; and if the folder
-    /// cannot be written.
+    /// Fails if another process holds the lock, or may hold it on another machine (the message states the file to
+    /// delete otherwise), and if the folder cannot be written.
     pub fn take(base: &Path, command: &str, alone: bool) -> Result<Self> {
         let own = Holder { alone, host: host(), process: std::process::id() };
         let (path, dir) = (own.path(base), folder(base));
         match OpenOptions::new().write(true).create_new(true).open(&path) {
-            // Without the command a message says less.
+            // Failure is harmless: messages then lack the command.
             Ok(mut file) => drop(file.write_all(format!("`{command}`").as_bytes())),
             Err(e) if e.kind() == ErrorKind::AlreadyExists => return Err(own.refusal(base)),
             Err(e) => return Err(cannot_write(&path, &e)),
@@ -35,7 +36,7 @@ impl LockFile {
         let names = std::fs::read_dir(dir).map_err(|e| cannot_write(dir, &e))?.flatten().map(|entry| entry.file_name());
         for other in names.filter_map(|name| Holder::of(base, name.to_str()?)).filter(|other| *other != own) {
             if other.host == own.host && !is_running(other.process) {
-                // Whoever else begins removes it as well.
+                // Ignored, because another process may have removed it already.
                 let _ = std::fs::remove_file(other.path(base));
             } else if alone || other.alone {
                 return Err(other.refusal(base));
@@ -56,7 +57,7 @@ impl Drop for LockFile {
     }
 }
 
-/// Process that holds a folder, as the name of its lock file says.
+/// Process that holds a lock, parsed from the name of its lock file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Holder {
     alone: bool,
@@ -65,7 +66,7 @@ struct Holder {
 }
 
 impl Holder {
-    /// Returns the holder of the lock file of this name in the folder of `base`; None for any other file.
+    /// Parses the name of a lock file of `base`; None for any other file.
     fn of(base: &Path, name: &str) -> Option<Self> {
         let (kind, rest) = name.strip_prefix(base.file_name()?.to_str()?)?.strip_prefix('.')?.split_once('.')?;
         let (host, process) = rest.rsplit_once('.')?;
@@ -93,7 +94,7 @@ impl Holder {
     }
 }
 
-/// Returns the folder of a file.
+/// Returns the folder of a file, `.` for a bare file name.
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -110,15 +111,15 @@ fn host() -> String {
     std::env::var("COMPUTERNAME").unwrap_or_else(|_| "localhost".into())
 }
 
-/// Returns true if a process of this machine runs, or may run.
+/// Returns true if a process of this machine is running or may be running.
 #[cfg(unix)]
 fn is_running(process: u32) -> bool {
     let number = i32::try_from(process).ok().and_then(rustix::process::Pid::from_raw);
-    // No permission to signal it: it runs.
+    // A permission error also means that the process is running.
     number.is_some_and(|number| rustix::process::test_kill_process(number) != Err(rustix::io::Errno::SRCH))
 }
 
-/// Returns true, because this system does not say whether a process runs.
+/// Returns true, because the system offers no test for a running process.
 #[cfg(not(unix))]
 fn is_running(_: u32) -> bool {
     true

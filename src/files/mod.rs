@@ -1,4 +1,4 @@
-//! Files: read with checks, written whole or not at all, in folders that one process writes at a time.
+//! Files: checked reading, atomic writing, and locks on folders.
 
 pub mod atomic;
 pub mod include;

@@ -1,7 +1,6 @@
-//! Reading of files that a user names: regular files of a bounded size, nothing else.
+//! Reading of user-specified files: only regular files of limited size.
 //!
-//! A directory cannot be read, a fifo may block for ever, a device may never end. Each is refused by name before it is
-//! opened.
+//! Directories, fifos (which may block) and devices (which may not end) are rejected before they are opened.
 
 use crate::error::{Error, Result};
 use std::fs::{File, FileType, Metadata};
@@ -11,7 +10,7 @@ use std::path::Path;
 /// Opens a regular file for reading.
 ///
 /// # Errors
-/// Fails if there is no such file or no permission, or the path is a directory, fifo, device or socket.
+/// Fails if the file is missing or not readable, or if the path is a directory, fifo, device or socket.
 pub fn open(path: &Path) -> Result<File> {
     checked(path).map(|(file, _)| file)
 }
@@ -19,7 +18,7 @@ pub fn open(path: &Path) -> Result<File> {
 /// Reads all bytes of a regular file of at most `limit` bytes.
 ///
 /// # Errors
-/// Fails in the cases of [`open()`], for a larger file and for a failing disk.
+/// Fails in the cases of [`open()`], for a larger file and on an I/O error.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let (file, meta) = checked(path)?;
     let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are read"));
@@ -27,7 +26,8 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
         return Err(too_large(meta.len().to_string()));
     }
     let mut bytes = Vec::new();
-    // A file may grow meanwhile, and those of /proc claim no size: one byte more than allowed tells.
+    // Reads one byte more than allowed to detect larger files: a file may grow meanwhile, and files in /proc report
+    // size zero.
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| failed(path, &e))?;
     if bytes.len() as u64 > limit {
         return Err(too_large(format!("more than {limit}")));
@@ -35,13 +35,13 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Returns the kind that `meta` describes, such as "a directory"; None for a regular file.
+/// Returns the kind of a file that is not regular, e.g. "a directory"; None for a regular file.
 pub fn other_kind(meta: &Metadata) -> Option<&'static str> {
     let kind = meta.file_type();
     (!kind.is_file()).then(|| if kind.is_dir() { "a directory" } else { special(kind) })
 }
 
-/// Returns the kind of error with which the operating system refuses to read what is no regular file.
+/// Returns the error kind for reading a file that is not regular.
 pub fn refusal(meta: &Metadata) -> ErrorKind {
     if meta.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::Unsupported }
 }

@@ -1,10 +1,10 @@
-//! Point at which the object presses.
+//! Observation of the centre of pressure.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use glam::DVec3;
 
-/// Centre of pressure of each pad, m: (pads, 3), pad frame; the mean of the deformed nodes, weighted by the force along the closing
-/// direction. Zero, the middle of the sensing face, where nothing presses.
+/// Centre of pressure of each pad, m: (pads, 3), pad frame; the mean position of the deformed nodes, weighted by the
+/// force along the closing direction. Zero, the centre of the sensing face, without contact.
 #[derive(Debug)]
 pub struct CenterOfPressure {
     pads: usize,

@@ -1,8 +1,8 @@
-//! Area that touches.
+//! Observation of the contact area.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 
-/// Area of each pad that touches the object, m2, on the face at rest: (pads).
+/// Contact area of each pad in the reference configuration, m2: (pads).
 #[derive(Debug)]
 pub struct TouchedArea {
     pads: usize,

@@ -1,4 +1,4 @@
-//! Depth of the object in the undeformed pads: what a purely geometric tactile simulator shows.
+//! Penetration depth of the object into the undeformed pads, the quantity of purely geometric tactile simulators.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::geometry::height_field::PlaneGrid;
@@ -6,14 +6,14 @@ use crate::scene::Grid;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Depth to which the object reaches below the sensing face at rest, m: (pads, rows, columns). The object is a rigid mould: seen from the
-/// back of the gel along the closing direction, its first surface counts, and what is undercut is filled. Zero beside it, and at most
-/// the whole gel.
+/// Penetration depth of the object below the undeformed sensing face, m: (pads, rows, columns), from rays that start at
+/// the back of the gel in the closing direction. The first intersection counts, so undercuts are filled. Zero where the
+/// ray does not meet the object below the face; at most the depth of the gel.
 #[derive(Debug)]
 pub struct DepthMap {
     pads: usize,
     grid: PlaneGrid,
-    /// Height of the face at rest over the taxels, m.
+    /// Height of the undeformed face at the taxels, m.
     face: Vec<f64>,
     thickness: f64,
 }

@@ -1,8 +1,8 @@
-//! Observation of the closing force of the fingers.
+//! Observation of the applied force.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 
-/// Sum of the finger forces.
+/// Applied force: sum over the fingers, N.
 #[derive(Debug)]
 pub struct Applied {
     most: f64,

@@ -1,17 +1,17 @@
-//! Contact force of the pads on a grid of taxels, which forces and tractions are made of.
+//! Contact force of the pads on a grid of taxels, the basis of force and traction images.
 
 use super::{Now, SensedHand};
 use crate::scene::Grid;
 use glam::DVec3;
 use std::ops::{AddAssign, Mul};
 
-/// Contact force per taxel. The taxels of a pad sum to its contact force.
+/// Contact force per taxel; the sum over the taxels of a pad is its contact force.
 #[derive(Debug)]
 pub struct ForceImage {
     pads: usize,
     grid: Grid,
     shares: Vec<Vec<(u32, f64)>>,
-    /// Area of the rectangle around the sensing face at rest, m2.
+    /// Area of the bounding rectangle of the undeformed sensing face, m2.
     area: f64,
 }
 
@@ -23,22 +23,22 @@ impl ForceImage {
         Self { pads: hand.fingers.len(), grid: *grid, shares, area }
     }
 
-    /// Returns the shape of an image of every pad with `components` numbers per taxel.
+    /// Returns the shape of the images of all pads with `components` numbers per taxel.
     pub fn shape(&self, components: &[usize]) -> Vec<usize> {
         [&[self.pads, self.grid.rows.get(), self.grid.cols.get()], components].concat()
     }
 
-    /// Area of a taxel, m2.
+    /// Returns the area of a taxel, m2.
     pub fn taxel_area(&self) -> f64 {
         self.area / self.taxels() as f64
     }
 
-    /// Number of taxels of a pad.
+    /// Returns the number of taxels of a pad.
     pub fn taxels(&self) -> usize {
         self.grid.taxels()
     }
 
-    /// Gathers what the nodes of a pad have in the taxels; the sum stays.
+    /// Distributes nodal values of a pad over the taxels; the sum is preserved.
     pub fn gathered<V>(&self, nodal: impl Iterator<Item = V>) -> Vec<V>
     where
         V: Copy + Default + PartialEq + AddAssign + Mul<f64, Output = V>,
@@ -50,7 +50,7 @@ impl ForceImage {
         image
     }
 
-    /// Writes `N` numbers per taxel that follow from its force, N, pad frame.
+    /// Writes `N` numbers per taxel, computed by `numbers` from its force (N, pad frame).
     pub fn write<const N: usize>(&self, now: &Now, out: &mut [f32], numbers: impl Fn(DVec3) -> [f64; N]) {
         let size = N * self.taxels();
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {

@@ -1,4 +1,4 @@
-//! A regular grid of taxels on the sensing face.
+//! Regular grid of taxels on the sensing face.
 
 use crate::geometry::barycentric::{barycentric, least};
 use crate::geometry::face_lookup::FaceLookup;
@@ -10,27 +10,29 @@ use crate::scene::Grid;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
-/// Samples along an edge of a triangle of nodes of mean size, for how its force is shared out.
+/// Number of samples along the edge of a node triangle of mean size, for the distribution of nodal forces over the
+/// taxels.
 const SAMPLES: f64 = 4.0;
-/// Barycentric coordinate below which a sample lies outside of a triangle.
+/// Barycentric coordinate below which a sample is outside of a triangle.
 const OUTSIDE: f64 = -1e-9;
 
 impl Grid {
-    /// Returns the middles of the taxels on the sensing face of `pad`, m, pad frame.
+    /// Returns the grid of taxel centres on the sensing face of `pad`, m, pad frame.
     pub(crate) fn over(&self, pad: &PadTopology) -> PlaneGrid {
         let face = pad.sensing.iter().flatten().map(|n| pad.rest[*n as usize].truncate());
         let (low, high) = face.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         PlaneGrid { low, size: high - low, cells: [self.rows.get(), self.cols.get()] }
     }
 
-    /// Returns, for every node, the taxels among which its force is shared out. The weights are non-negative and sum to one, so the
-    /// image sums to the resultant. The traction is taken as linear between the nodes of the sensing face at rest: each taxel has what
-    /// acts on its part of the face. A node that no taxel sees gives all to the nearest.
+    /// Returns, for every node, the taxels that receive its force, with weights. They are non-negative and sum to one,
+    /// so the sum over the image is the resultant. The traction is assumed linear between the nodes of the undeformed
+    /// sensing face, so each taxel receives the force on its part of the face. A node without a sample assigns its
+    /// force to the nearest taxel.
     pub(crate) fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
         let (grid, cols) = (self.over(pad), self.cols.get());
         let flat = |n: u32| pad.rest[n as usize].truncate();
         let double = |[a, b, c]: &[u32; 3]| (flat(*b) - flat(*a)).perp_dot(flat(*c) - flat(*a)).abs();
-        // The mean, not the shortest: one sliver must not ask for a million samples.
+        // The mean rather than the shortest edge, because a sliver would require millions of samples.
         let edge = (pad.sensing.iter().map(double).sum::<f64>() / pad.sensing.len() as f64).sqrt();
         let cut = (SAMPLES * grid.cell().max_element() / edge).ceil().max(1.0) as usize;
         let fine = PlaneGrid { cells: grid.cells.map(|n| n * cut), ..grid };
@@ -40,7 +42,7 @@ impl Grid {
             let corners = nodes.map(flat);
             for [row, col] in fine.amid(&corners) {
                 let weights = barycentric(fine.point(row, col), corners);
-                // A sample on an edge is that of one triangle.
+                // A sample on a shared edge belongs to one triangle only.
                 if least(weights) < OUTSIDE || std::mem::replace(&mut taken[row * fine.cells[1] + col], true) {
                     continue;
                 }
@@ -61,8 +63,8 @@ impl Grid {
         shares.into_iter().zip(&pad.rest).map(whole).collect()
     }
 
-    /// Returns, for every taxel, the point of the sensing face at its centre, by the elements' shape functions. Where the face does not
-    /// reach, it returns the nearest one.
+    /// Returns, for every taxel, the point of the sensing face at its centre as a stencil of shape functions; the
+    /// nearest point of the face if the centre is outside.
     pub(crate) fn samples(&self, finger: &FingerModel) -> Vec<Stencil> {
         let (faces, cols) = (finger.sensing_faces(), self.cols.get());
         let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();

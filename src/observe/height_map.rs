@@ -1,4 +1,4 @@
-//! Shape of the deformed sensing faces: what the camera of a visual-tactile sensor looks at.
+//! Shape of the deformed sensing faces, as a visual-tactile sensor images it.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::geometry::height_field::PlaneGrid;
@@ -6,7 +6,8 @@ use crate::mech::contact::surface::SurfaceFace;
 use crate::scene::Grid;
 use glam::DVec3;
 
-/// Height of the sensing face over the middles of the taxels, m: (pads, rows, columns), along z of the pad, by the elements' shape functions.
+/// Height of the sensing face at the taxel centres, m: (pads, rows, columns), along z of the pad, interpolated with the
+/// shape functions.
 #[derive(Debug)]
 pub struct HeightMap {
     pads: usize,

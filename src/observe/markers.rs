@@ -1,11 +1,12 @@
-//! Dots printed on the sensing faces, which the camera of a visual-tactile sensor follows.
+//! Markers printed on the sensing faces, as tracked by the camera of a visual-tactile sensor.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::mech::potential::term::Stencil;
 use crate::scene::Markers;
 
-/// Markers on the sensing face: (pads, rows, columns, 8). Position and displacement, m, pad frame, by the elements' shape functions; then
-/// where a camera that looks along z of the pad sees the marker, in pixels along x and y from the middle of its image.
+/// Markers on the sensing face: (pads, rows, columns, 8). Position and displacement, m, pad frame, interpolated with
+/// the shape functions; then the image coordinates in a camera with view direction z of the pad, in pixels along x and
+/// y from the image centre.
 #[derive(Debug)]
 pub struct MarkerTracks {
     shape: [usize; 4],

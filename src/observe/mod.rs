@@ -1,4 +1,4 @@
-//! Observations of an agent, one file each; runs and data sets record those that a tactile sensor makes.
+//! Observations of an agent, one file each; runs and data sets record those of tactile sensors.
 //!
 //! A new observation needs a variant in [`Observe`], a file with a [`Sense`], and a line each in `name` and `sense`.
 
@@ -28,35 +28,35 @@ use crate::part::FingerModel;
 use crate::record::{Frame, TactileArray};
 use crate::scene::Observe;
 
-/// Hand whose senses are set up: what shapes and bounds of the arrays follow from.
+/// Hand from which the shapes and bounds of observation arrays are derived.
 #[derive(Debug, Clone, Copy)]
 pub struct SensedHand<'a> {
-    /// The fingers, left first; their pads are alike.
+    /// Fingers, left first, with equal pads.
     pub fingers: &'a [FingerModel],
     /// Largest travel of a finger, m.
     pub stroke: f64,
-    /// Largest sum of the finger forces, N; infinite if nothing bounds it.
+    /// Largest sum of the finger forces, N; infinite if unbounded.
     pub force: f64,
 }
 
 /// Input of an observation.
 #[derive(Debug, Clone, Copy)]
 pub struct Now<'a> {
-    /// The fingers, left first.
+    /// Fingers, left first.
     pub fingers: &'a [FingerModel],
-    /// The object.
+    /// Object.
     pub object: &'a Shape,
-    /// The state after the step.
+    /// State after the step.
     pub frame: &'a Frame,
 }
 
-/// Writes one array.
+/// Sensor model that writes one observation array.
 pub trait Sense: Send + Sync + std::fmt::Debug {
-    /// Describes the array.
+    /// Returns the specification of the array.
     fn spec(&self) -> ArraySpec;
     /// Fills `out`, which has the size of the array.
     fn write(&self, now: &Now, out: &mut [f32]);
-    /// Returns the array as files hold it.
+    /// Returns the array as it is stored in files.
     fn record(&self, now: &Now) -> TactileArray {
         let spec = self.spec();
         let mut values = vec![0.0; spec.size()];
@@ -66,7 +66,7 @@ pub trait Sense: Send + Sync + std::fmt::Debug {
 }
 
 impl Observe {
-    /// Returns the name of its array.
+    /// Returns the name of the observation array.
     pub fn name(&self) -> &'static str {
         match self {
             Observe::TaxelForce(_) => "taxel_force",
@@ -87,7 +87,7 @@ impl Observe {
         }
     }
 
-    /// Creates the sense that writes it.
+    /// Creates the sensor model of this observation.
     pub fn sense(&self, hand: &SensedHand) -> Box<dyn Sense> {
         match self {
             Observe::TaxelForce(grid) => Box::new(taxel_force::TaxelForce::new(hand, grid)),
@@ -109,7 +109,7 @@ impl Observe {
     }
 }
 
-/// Largest force of a contact over the largest force that the fingers are given.
+/// Bound of a contact force relative to the largest applied force.
 const MOST: f64 = 10.0;
 
 impl SensedHand<'_> {
@@ -119,13 +119,13 @@ impl SensedHand<'_> {
         [-most, most]
     }
 
-    /// Returns the largest distance of a node from the middle of its sensing face along any axis, m.
+    /// Returns a bound of the distance of a deformed node from the centre of its sensing face along any axis, m.
     fn reach(&self) -> f64 {
         let rest = self.fingers.iter().flat_map(|f| &f.topology.rest);
         rest.map(|x| x.abs().max_element()).fold(0.0, f64::max) + self.displacement_bounds()[1]
     }
 
-    /// Returns the bounds of a displacement, m: a bonded gel does not move by more than its thickness.
+    /// Returns the bounds of a displacement, m: twice the thickness of the bonded gel.
     fn displacement_bounds(&self) -> [f64; 2] {
         let most = 2.0 * self.fingers.first().map_or(0.0, |f| f.topology.thickness());
         [-most, most]

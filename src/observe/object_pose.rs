@@ -1,4 +1,5 @@
-//! Pose of the object in the hand: no tactile sensor measures it; it serves teachers and comparisons.
+//! Pose of the object in the hand: privileged information for teacher policies and comparisons, not measured by tactile
+//! sensors.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::leaf::LENGTH_LIMIT;

@@ -1,14 +1,14 @@
-//! Observation of the error of a prediction, by the network's own account.
+//! Observation of the estimated error of a prediction of the network.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::record::ErrorBound;
 
-/// Relative errors that nine of ten predictions stay below: displacement, stress, travel; zero for what was computed, the largest where they are
-/// unknown.
+/// 90 % quantiles of the relative errors of predictions: displacement, stress, travel. Zero for finite elements, the
+/// upper bound if unknown.
 #[derive(Debug)]
 pub struct PredictionError;
 
-/// Largest error that is told apart.
+/// Upper bound; larger errors are clipped.
 const MOST: f64 = 10.0;
 
 impl PredictionError {

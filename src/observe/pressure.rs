@@ -5,8 +5,9 @@ use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::Grid;
 use glam::DVec3;
 
-/// Normal traction on the sensing face, Pa: (pads, rows, columns). Normal is z of the pad, the closing direction, and not that of the
-/// deformed face: so pressure times the area of a taxel sums to the force that closes the finger. Positive where the object presses.
+/// Normal traction on the sensing face, Pa: (pads, rows, columns). The normal is z of the pad (the closing direction),
+/// not that of the deformed face, so the sum of pressure times taxel area is the closing force of the finger. Positive
+/// in compression.
 #[derive(Debug)]
 pub struct Pressure {
     image: ForceImage,

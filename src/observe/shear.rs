@@ -5,7 +5,8 @@ use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::Grid;
 use glam::DVec3;
 
-/// Tangential traction on the sensing face, Pa: (pads, rows, columns, 2), along x and y of the pad, across the closing direction.
+/// Tangential traction on the sensing face, Pa: (pads, rows, columns, 2), along x and y of the pad, perpendicular to
+/// the closing direction.
 #[derive(Debug)]
 pub struct Shear {
     image: ForceImage,

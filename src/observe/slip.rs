@@ -4,8 +4,8 @@ use super::force_image::ForceImage;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::Grid;
 
-/// Part of the contact force in each taxel that is carried by points that slide: (pads, rows, columns), from 0 (all stick, or nothing
-/// touches) to 1.
+/// Fraction of the contact force in each taxel that is carried by sliding points: (pads, rows, columns), from 0
+/// (sticking, or no contact) to 1.
 #[derive(Debug)]
 pub struct SlipImage {
     image: ForceImage,

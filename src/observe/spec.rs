@@ -1,4 +1,4 @@
-//! Description of an array of observations or actions.
+//! Specification of an array of observations or actions.
 
 /// Name, shape, unit and bounds of an array of one environment.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -7,21 +7,21 @@ pub struct ArraySpec {
     pub name: String,
     /// Shape of the array, row-major.
     pub shape: Vec<usize>,
-    /// Unit of its numbers.
+    /// Unit of the values.
     pub unit: String,
-    /// Lower bound of all numbers.
+    /// Lower bound of all values.
     pub low: f32,
-    /// Upper bound of all numbers.
+    /// Upper bound of all values.
     pub high: f32,
 }
 
 impl ArraySpec {
-    /// Describes an array with bounds `low` to `high`.
+    /// Creates the specification of an array with bounds `low` to `high`.
     pub fn new(name: &str, shape: &[usize], unit: &str, [low, high]: [f64; 2]) -> Self {
         Self { name: name.into(), shape: shape.to_vec(), unit: unit.into(), low: low as f32, high: high as f32 }
     }
 
-    /// Returns the name of the array in files, which ends in its unit if there is a single one.
+    /// Returns the name of the array in files, ending in the unit if there is a single unit.
     pub fn file_name(&self) -> String {
         let ending = match self.unit.as_str() {
             "m" => "_m",
@@ -33,7 +33,7 @@ impl ArraySpec {
         format!("{}{ending}", self.name)
     }
 
-    /// Returns the number of its values.
+    /// Returns the number of values.
     pub fn size(&self) -> usize {
         self.shape.iter().product()
     }

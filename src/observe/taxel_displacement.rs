@@ -1,10 +1,11 @@
-//! Displacement of the sensing faces at the taxels.
+//! Observation of the displacement of the sensing faces.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::mech::potential::term::Stencil;
 use crate::scene::Grid;
 
-/// Displacement of the sensing face at each taxel, m: (pads, rows, columns, 3), pad frame, by the elements' shape functions.
+/// Displacement of the sensing face at each taxel, m: (pads, rows, columns, 3), pad frame, interpolated with the shape
+/// functions.
 #[derive(Debug)]
 pub struct TaxelDisplacement {
     shape: [usize; 4],

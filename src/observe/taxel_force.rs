@@ -1,11 +1,12 @@
-//! Contact force per taxel.
+//! Observation of the contact force per taxel.
 
 use super::force_image::ForceImage;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use crate::scene::Grid;
 use glam::DVec3;
 
-/// Contact force per taxel, N: (pads, rows, columns, 3), pad frame. The taxels of a pad sum to its contact force.
+/// Contact force per taxel, N: (pads, rows, columns, 3), pad frame. The sum over the taxels of a pad is its contact
+/// force.
 #[derive(Debug)]
 pub struct TaxelForce {
     image: ForceImage,

@@ -2,7 +2,7 @@
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 
-/// Travel of each finger since first contact, left first.
+/// Travel of each finger since first contact, left first, m.
 #[derive(Debug)]
 pub struct FingerTravel {
     fingers: usize,

@@ -1,8 +1,8 @@
-//! Wrenches of the contact that a force-torque sensor behind each pad would read.
+//! Contact wrenches, as measured by a force-torque sensor behind each pad.
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 
-/// Wrench of each pad, in its frame: force (N), then torque about the middle of its sensing face (N m).
+/// Wrench of each pad in the pad frame: force (N), then torque about the centre of the sensing face (N m).
 #[derive(Debug)]
 pub struct PadWrench {
     pads: usize,

@@ -1,7 +1,8 @@
-//! `arrays.npz`: frames of a grasp as plain arrays, which `numpy.load` reads. The names are in [`super::names`], shapes, units and frames
-//! in `docs/data-format.md`.
+//! `arrays.npz`: frames of a grasp as NumPy arrays for `numpy.load`. Names are defined in [`super::names`]; shapes,
+//! units and frames are in `docs/data-format.md`.
 //!
-//! Nodes and tetrahedra of the pads are concatenated, left first; `pad_of_node` tells them apart and `tets` counts nodes over both pads.
+//! Nodes and tetrahedra of the pads are concatenated, left pad first; `pad_of_node` and `pad_of_tet` hold the pad
+//! index, and `tets` uses the concatenated node indices.
 
 use super::frame::{Frame, PadTopology};
 use super::{TactileArray, names};
@@ -43,15 +44,16 @@ pub struct GraspArrays {
     hand_pose: Vec<f64>,
     object_motion: Vec<f64>,
     ground_force: Vec<f64>,
-    /// Arrays of tactile sensors, with the values of all frames.
+    /// Tactile arrays, each with the values of all frames concatenated.
     tactile: Vec<TactileArray>,
 }
 
 impl GraspArrays {
-    /// Builds the arrays of a grasp with these pads, at `poses` at zero travel (none if not known), to be written to `path`.
+    /// Creates the arrays of a grasp with these pads, to be written to `path`. `poses` are the pad poses at zero
+    /// travel, empty if unknown.
     ///
     /// # Errors
-    /// Fails if the pads do not all have the same kind of element.
+    /// Fails if linear and quadratic pads are mixed.
     pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[GraspPose]) -> Result<Self> {
         let width = topologies.first().map_or(4, |t| t.elements.width());
         if topologies.iter().any(|t| t.elements.width() != width) {
@@ -100,7 +102,7 @@ impl GraspArrays {
         Ok(arrays)
     }
 
-    /// Adds a frame, which must have been checked against the topologies.
+    /// Appends a frame, which must have passed [`super::check::frame`] for the same topologies.
     pub fn push(&mut self, frame: &Frame) {
         for pad in &frame.pads {
             extend(&mut self.position, &pad.position);
@@ -132,12 +134,12 @@ impl GraspArrays {
         self.frames += 1;
     }
 
-    /// Returns the number of frames that are not on disk yet.
+    /// Returns the number of frames not yet written to disk.
     pub fn pending(&self) -> usize {
         self.frames - self.written
     }
 
-    /// Writes all frames so far, whole or not at all.
+    /// Writes all frames so far; the file is replaced atomically.
     ///
     /// # Errors
     /// Fails if the file cannot be written.
@@ -154,7 +156,7 @@ impl GraspArrays {
         let out = &mut npz;
         put(out, names::DISPLACEMENT, (frames, nodes, 3), &self.displacement)?;
         put(out, names::POSITION, (frames, nodes, 3), &self.position)?;
-        // What is not recorded is left out.
+        // Fields that are not recorded have no array.
         if !self.contact_force.is_empty() {
             put(out, names::CONTACT_FORCE, (frames, nodes, 3), &self.contact_force)?;
         }
@@ -209,7 +211,7 @@ where
     npz.add_array(name, &view).map_err(io_error)
 }
 
-/// Returns the I/O error inside, so that "disk full" stays recognisable under two layers of wrapping.
+/// Returns the innermost I/O error, so that its kind ("disk full") survives two layers of wrapping.
 pub(crate) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
     let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(inner) = source {

@@ -1,4 +1,5 @@
-//! Checks before writing: sizes match and numbers are finite. A file with a NaN ruins a training set silently.
+//! Checks before writing: array sizes must match and numbers must be finite, because a NaN in a file silently corrupts
+//! training data.
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
 use super::tactile::TactileArray;
@@ -6,11 +7,10 @@ use crate::geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
 
-/// Result of a check; the error says why a frame or a topology cannot be written and names the field. The caller adds the
-/// file.
+/// Result of a check; the error names the invalid field and the reason. The caller adds the file name.
 type Verdict = std::result::Result<(), String>;
 
-/// Checks that indices are in range, that every node has one flag and that coordinates are finite.
+/// Checks that node indices are in range, that `bonded` has one entry per node and that coordinates are finite.
 pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
     let name = format!("topology of pad {pad} ({})", pad_name(pad));
     let nodes = topology.rest.len();
@@ -24,13 +24,13 @@ pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
     indices(&name, "sensing", topology.sensing.as_flattened(), nodes)
 }
 
-/// Checks that the object's surface has indices in range and finite vertices.
+/// Checks that the vertex indices of the object's surface are in range and its vertices finite.
 pub fn object(mesh: &TriMesh) -> Verdict {
     vectors("object surface", "vertices", &mesh.vertices)?;
     indices("object surface", "triangles", mesh.triangles.as_flattened(), mesh.vertices.len())
 }
 
-/// Checks that every number is finite and every array is as long as the topologies require.
+/// Checks that every number is finite and that array lengths match the topologies.
 pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict {
     let name = format!("frame {}", frame.index);
     length(&name, "pads", frame.pads.len(), topologies.len(), "pads of the grasp")?;
@@ -46,7 +46,8 @@ pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict
     for (field, value) in scalars {
         finite(&name, field, value)?;
     }
-    // In a dynamic scene nothing may be near, and there may be no pad to be turned inside out.
+    // In a dynamic scene the minimum is infinite if nothing is near contact (`min_gap`) or there is no pad
+    // (`min_det_f`).
     for (field, value) in [("min_det_f", frame.min_det_f), ("min_gap", frame.min_gap)] {
         if frame.moving.is_none() || value != f64::INFINITY {
             finite(&name, field, value)?;
@@ -115,7 +116,7 @@ fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict
     if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries, needed are {want} ({of})")) }
 }
 
-/// Checks the length of a field that a scene may choose not to record, in which case it is empty.
+/// Checks the length of an optional field, which is empty if the scene does not record it.
 fn optional(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
     if got == 0 { Ok(()) } else { length(name, field, got, want, of) }
 }

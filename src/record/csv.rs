@@ -1,4 +1,4 @@
-//! `frames.csv`: one row of numbers per frame, on disk as soon as the frame is recorded.
+//! `frames.csv`: one row of numbers per frame, written as soon as the frame is recorded.
 
 use super::ErrorBound;
 use super::frame::{Frame, pad_name};
@@ -17,7 +17,8 @@ pub struct FramesCsv {
 }
 
 impl FramesCsv {
-    /// Creates the file with its header for grasps with `pads` pads, `moving` in time or not, `predicted` with an error or not.
+    /// Creates the file and its header for grasps with `pads` pads; `moving` adds the columns of dynamic scenes,
+    /// `predicted` those of the error bound.
     ///
     /// # Errors
     /// Fails if the file cannot be created or written.
@@ -36,13 +37,13 @@ impl FramesCsv {
         self.line(&row(frame).join(","))
     }
 
-    /// Writes a line in one piece, straight to the file, so that a killed run ends with a whole row.
+    /// Writes a line unbuffered in one call, so that the file of a killed run ends with a complete row.
     fn line(&mut self, text: &str) -> Result<()> {
         self.file.write_all(format!("{text}\n").as_bytes()).map_err(|e| cannot_write(&self.path, &e))
     }
 }
 
-/// Returns the column names, with units as suffix (dimensionless ones have none).
+/// Returns the column names, with units as suffix (none for dimensionless columns).
 pub fn columns(pads: usize, moving: bool, predicted: bool) -> Vec<String> {
     let mut columns: Vec<String> = ["frame", names::TIME, names::FORCE].map(String::from).to_vec();
     columns.extend((0..pads).map(|pad| format!("travel_{}_m", pad_name(pad))));
@@ -86,7 +87,7 @@ fn row(frame: &Frame) -> Vec<String> {
         numbers.extend(pad.wrench.force.to_array());
         numbers.extend(pad.wrench.torque.to_array());
         numbers.push(pad.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
-        // An empty cell where stress is not recorded.
+        // NaN gives an empty cell if stress is not recorded.
         numbers.push(pad.von_mises_node.iter().copied().reduce(f64::max).unwrap_or(f64::NAN));
     }
     numbers.push(frame.energy);
@@ -102,8 +103,8 @@ fn row(frame: &Frame) -> Vec<String> {
     before.chain(solver).chain(moving.chain(error).map(number)).collect()
 }
 
-/// Returns the shortest text that reads back to the same number, in plain notation where that is usual; empty if the
-/// number was not measured.
+/// Returns the shortest text that parses to the same number, in scientific notation outside 1e-3 to 1e6; empty for NaN
+/// and infinity.
 fn number(value: f64) -> String {
     if !value.is_finite() {
         return String::new();

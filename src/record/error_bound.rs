@@ -1,10 +1,10 @@
-//! Error of a prediction, by the predictor's own account.
+//! Estimated error of a prediction of the network.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Relative errors that nine of ten predictions stay below, as the training found on grasps that it had not learnt from; infinite, and null in
-/// JSON, where they are unknown.
+/// 90 % quantiles of the relative errors of predictions, measured during training on held-out grasps; infinite, and
+/// null in JSON, if unknown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorBound {
     /// Displacement, L2 over the nodes.
@@ -18,7 +18,7 @@ pub struct ErrorBound {
     pub travel: f64,
 }
 
-/// Bound as an optional number: JSON knows no infinite one.
+/// Serialisation of a bound as an optional number, because JSON has no infinity.
 mod bound {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -32,15 +32,15 @@ mod bound {
 }
 
 impl ErrorBound {
-    /// Errors of predictions of which nothing is known.
+    /// Unknown errors: all bounds are infinite.
     pub const UNKNOWN: Self = Self { displacement: f64::INFINITY, stress: f64::INFINITY, travel: f64::INFINITY };
 
-    /// Returns true if there is a bound.
+    /// Returns true if all bounds are finite.
     pub fn is_known(&self) -> bool {
         self.to_array().iter().all(|bound| bound.is_finite())
     }
 
-    /// Returns the larger of both errors, for each quantity.
+    /// Returns the elementwise maximum.
     pub fn or_larger(&self, other: &Self) -> Self {
         Self {
             displacement: self.displacement.max(other.displacement),
@@ -49,10 +49,10 @@ impl ErrorBound {
         }
     }
 
-    /// Names of the three columns.
+    /// Column names of the three bounds.
     pub const NAMES: [&str; 3] = ["displacement_error", "stress_error", "travel_error"];
 
-    /// Returns the numbers in the order of [`Self::NAMES`].
+    /// Returns the bounds in the order of [`Self::NAMES`].
     pub fn to_array(self) -> [f64; 3] {
         [self.displacement, self.stress, self.travel]
     }

@@ -1,6 +1,6 @@
-//! Content of one recorded instant of a grasp: the contract between the steppers and every file.
+//! Recorded frame of a grasp: the data exchanged between the steppers and all file writers.
 //!
-//! Everything is in the hand frame and in SI units unless a field states otherwise.
+//! All quantities are in the hand frame and in SI units unless stated otherwise.
 
 use super::{ErrorBound, TactileArray};
 use crate::geometry::mesh::quality::EDGES;
@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// Force and torque of the contact on one pad, hand frame.
+/// Contact force and torque on one pad, hand frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
     /// Force on the pad, N.
@@ -24,7 +24,7 @@ pub struct PadFrame {
     pub position: Vec<DVec3>,
     /// Node displacements relative to the pad carried rigidly by its finger, m.
     pub displacement: Vec<DVec3>,
-    /// Contact force ON the pad, per node, N; empty if not recorded.
+    /// Nodal contact force on the pad, N; empty if not recorded.
     pub contact_force: Vec<DVec3>,
     /// Nodal von Mises stress, the volume-weighted average over the elements at the node, Pa; empty if not recorded.
     pub von_mises_node: Vec<f64>,
@@ -32,23 +32,24 @@ pub struct PadFrame {
     pub von_mises_element: Vec<f64>,
     /// Signed distance of each node to the object, m; negative inside; empty if not recorded.
     pub gap: Vec<f64>,
-    /// Part of the contact force of each node that is carried by points that slide, 0 to 1; empty if nothing asks for it.
+    /// Fraction of the contact force of each node that is carried by sliding contact points, 0 to 1; empty unless an
+    /// observation requires it.
     pub slip: Vec<f64>,
-    /// Area that touches the object, m2, at rest; zero if nothing asks for it.
+    /// Contact area in the reference configuration, m2; zero unless an observation requires it.
     pub contact_area: f64,
-    /// Resultant of the contact on this pad.
+    /// Contact wrench on this pad.
     pub wrench: Wrench,
 }
 
 impl PadFrame {
-    /// Returns how far the finger has carried the pad from where its nodes are at `rest`, m.
+    /// Returns the translation by the finger from the node positions `rest` to the rigidly carried pad, m.
     pub fn carried(&self, rest: &[DVec3]) -> DVec3 {
-        // Any node tells: it is where its finger carried it, and displaced.
+        // The motion of a finger is a translation, so any node yields it.
         self.position[0] - self.displacement[0] - rest[0]
     }
 }
 
-/// Additional state of a frame of a dynamic scene. The world's frame is that of the object at the start.
+/// Additional state of a frame of a dynamic scene. The world frame is the object frame at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moving {
     /// Origin of the hand frame in the world, m.
@@ -70,7 +71,7 @@ pub struct Moving {
 /// Recorded frame of a grasp.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Position of the frame in its grasp, from 0.
+    /// Index of the frame in its grasp, from 0.
     pub index: usize,
     /// Applied force, the sum over the fingers, N.
     pub applied_force: f64,
@@ -82,47 +83,49 @@ pub struct Frame {
     pub object_position: DVec3,
     /// Rotation from the object frame to the hand frame.
     pub object_rotation: DQuat,
-    /// Weight and push on the object: force and torque about its centre of mass.
+    /// External load on the object (weight and applied push): force and torque about its centre of mass.
     pub object_load: Wrench,
     /// States of the pads, left first.
     pub pads: Vec<PadFrame>,
-    /// Motion in time; None in quasi-static scenes.
+    /// Dynamic state; None in quasi-static scenes.
     pub moving: Option<Moving>,
     /// Value of the incremental potential, J.
     pub energy: f64,
-    /// Newton iterations spent on this frame.
+    /// Number of Newton iterations of this frame.
     pub newton_iterations: u32,
-    /// True while the object is still held in place.
+    /// True while the object is held fixed.
     pub object_fixed: bool,
-    /// Smallest det F in any element; positive if nothing is inverted; `+inf` without pads.
+    /// Smallest det F over all elements; positive if no element is inverted; `+inf` without pads.
     pub min_det_f: f64,
-    /// Smallest gap of the object to pads and ground, m; positive if nothing penetrates; `+inf` if nothing is near.
+    /// Smallest gap between the object and pads or ground, m; positive if nothing penetrates; `+inf` if nothing is near
+    /// contact.
     pub min_gap: f64,
-    /// Unbalanced force over the applied force. For a free object it is the sum of contact and weight; otherwise it is
-    /// the difference between the contact force on a finger and the force of the finger.
+    /// Unbalanced force over the applied force. For a free object it is the norm of the sum of contact force and
+    /// weight; otherwise the difference between the contact force on a finger and the force applied by the finger.
     pub force_balance: f64,
     /// |sum of the contact torques on the object| / (applied force x object size).
     pub torque_balance: f64,
-    /// Norm of the unbalanced nodal forces at the end of Newton, N.
+    /// Norm of the unbalanced nodal forces after the last Newton iteration, N.
     pub residual: f64,
-    /// Error of a prediction by its own account; None for what was computed.
+    /// Estimated error of a prediction; None for frames computed by finite elements.
     pub error: Option<ErrorBound>,
-    /// Arrays of what tactile sensors see, in the order of the scene; empty if it does not record them.
+    /// Readings of the tactile sensors, in the order of the scene; empty if not recorded.
     pub tactile: Vec<TactileArray>,
 }
 
 impl Frame {
-    /// Returns the position at which a point of the hand frame is shown, m: in the world if that is known.
+    /// Transforms a point of the hand frame to the display frame, m: the world in dynamic scenes, otherwise the hand
+    /// frame.
     pub fn shown_point(&self, x: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
     }
 
-    /// Returns the rotation from the object frame to the frame in which the object is shown.
+    /// Returns the rotation from the object frame to the display frame (see [`Frame::shown_point`]).
     pub fn shown_rotation(&self) -> DQuat {
         self.moving.as_ref().map_or(self.object_rotation, |m| m.hand_rotation * self.object_rotation)
     }
 
-    /// Returns a vector in hand axes as it is shown.
+    /// Rotates a vector from hand axes to the axes of the display frame.
     pub fn shown_vector(&self, v: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(v, |m| m.hand_rotation * v)
     }
@@ -144,7 +147,7 @@ impl Default for ElementNodes {
 }
 
 impl ElementNodes {
-    /// Returns the tetrahedra whose `nodes` stand one after the other, `width` each; None if it is neither 4 nor 10.
+    /// Creates tetrahedra from a flat list of `nodes`, `width` per tetrahedron; None if `width` is neither 4 nor 10.
     pub fn of_table(nodes: &[u32], width: usize) -> Option<Self> {
         match width {
             4 => Some(ElementNodes::Linear(nodes.as_chunks().0.to_vec())),
@@ -153,7 +156,7 @@ impl ElementNodes {
         }
     }
 
-    /// Returns the number of corners, which are the first nodes.
+    /// Returns the number of corner nodes, which come first in the numbering.
     pub fn corners(&self) -> usize {
         self.nodes().chunks_exact(self.width()).flat_map(|n| &n[..4]).max().map_or(0, |n| *n as usize + 1)
     }
@@ -187,7 +190,7 @@ impl ElementNodes {
         }
     }
 
-    /// Returns the nodes of all tetrahedra one after the other, [`Self::width`] each.
+    /// Returns the nodes of all tetrahedra as a flat list, [`Self::width`] per tetrahedron.
     pub fn nodes(&self) -> &[u32] {
         match self {
             ElementNodes::Linear(tets) => tets.as_flattened(),
@@ -196,10 +199,10 @@ impl ElementNodes {
     }
 }
 
-/// Properties of a pad that never change during a run.
+/// Mesh of a pad, constant during a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PadTopology {
-    /// Node rest positions in the pad frame (sensing face at z = 0, +z out of the gel), m; corners first.
+    /// Reference positions of the nodes in the pad frame (sensing face at z = 0, +z out of the gel), m; corners first.
     pub rest: Vec<DVec3>,
     /// Number of element corners, which are the first nodes; the others are mid-edge nodes.
     pub corner_count: usize,
@@ -209,18 +212,18 @@ pub struct PadTopology {
     pub surface: Vec<[u32; 3]>,
     /// Triangles of the sensing face, counter-clockwise seen from outside; may use mid-edge nodes.
     pub sensing: Vec<[u32; 3]>,
-    /// Flag per node: true if it is glued to the finger.
+    /// Flag per node: true if it is bonded to the finger.
     pub bonded: Vec<bool>,
 }
 
 impl PadTopology {
-    /// Returns the depth of the deepest node below the sensing face, m.
+    /// Returns the depth of the deepest node below the sensing face in the reference configuration, m.
     pub fn thickness(&self) -> f64 {
         self.rest.iter().map(|x| -x.z).fold(0.0, f64::max)
     }
 
-    /// Returns the triangles of the outer surface without the sensing face, which has finer triangles of its own. Next to
-    /// it they use its mid-edge nodes, so that no gap opens between the two.
+    /// Returns the triangles of the outer surface without the sensing face, whose own triangles are finer. Triangles
+    /// adjacent to the sensing face are split at its mid-edge nodes, so that the two meshes are conforming.
     pub fn outside(&self) -> Vec<[u32; 3]> {
         let mut sensing = vec![false; self.rest.len()];
         self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
@@ -233,7 +236,7 @@ impl PadTopology {
         let split = |t: &[u32; 3]| {
             let corners = [0, 1, 2].map(|k| [Some(t[k]), middle.get(&edge(t[k], t[(k + 1) % 3])).copied()]);
             let mut rim: Vec<u32> = corners.into_iter().flatten().flatten().collect();
-            // A fan from a mid-edge node has no triangle along its edge.
+            // A fan from a mid-edge node avoids a degenerate triangle along the edge of that node.
             rim.rotate_left(corners.iter().position(|c| c[1].is_some()).map_or(0, |k| k + 1));
             (1..rim.len() - 1).map(|k| [rim[0], rim[k], rim[k + 1]]).collect::<Vec<_>>()
         };
@@ -241,7 +244,7 @@ impl PadTopology {
     }
 }
 
-/// Returns the name of pad (and finger) `index` in files and pictures: `left`, `right`, then `pad2` and so on.
+/// Returns the name of pad and finger `index` in files and pictures: `left`, `right`, then `pad2` and so on.
 pub fn pad_name(index: usize) -> String {
     match index {
         0 => "left".into(),

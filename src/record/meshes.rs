@@ -1,5 +1,5 @@
-//! `meshes.npz`: meshes that no frame of a run changes, written once, so that a run can be shown wherever its folder goes. It holds a pad
-//! and the object, as in the files of a data set; of pads that differ it holds both.
+//! `meshes.npz`: the constant meshes of a run, written once, so that a run folder can be displayed on its own. It holds
+//! the object and one pad, in the layout of data sets, or both pads if they differ.
 
 use super::arrays::{io_error, put};
 use super::check;
@@ -18,7 +18,7 @@ use std::path::Path;
 /// Name of the file.
 pub const MESHES: &str = "meshes.npz";
 
-/// Writes the meshes to `dir`, whole or not at all.
+/// Writes the meshes to `dir`; the file is replaced atomically.
 ///
 /// # Errors
 /// Fails if the file cannot be written.
@@ -43,15 +43,15 @@ fn write_to(path: &Path, pads: &[PadTopology], object: &TriMesh) -> io::Result<(
     npz.finish().map_err(io_error)?.flush()
 }
 
-/// Returns the meshes of pads, or one that they all have.
+/// Returns the first pad if all pads are equal, otherwise all.
 fn different(pads: &[PadTopology]) -> &[PadTopology] {
     if pads.windows(2).all(|pair| pair[0] == pair[1]) { &pads[..pads.len().min(1)] } else { pads }
 }
 
-/// Reads the meshes of the run in `dir`: those of its `count` pads, left first, and the object.
+/// Reads the meshes of the run in `dir`: its `count` pads, left first, and the object.
 ///
 /// # Errors
-/// Fails if the file is not there or is damaged.
+/// Fails if the file is missing or damaged.
 pub fn read(dir: &Path, count: usize) -> Result<(Vec<PadTopology>, TriMesh)> {
     let path = dir.join(MESHES);
     let fail = |message: String| Error::file(&path, message);
@@ -78,7 +78,7 @@ fn of_object(name: &str) -> String {
     format!("object/{name}")
 }
 
-/// Open archive with its name for messages.
+/// Open archive with its path for error messages.
 struct Archive<'a> {
     path: &'a Path,
     npz: &'a mut NpzReader<File>,

@@ -1,7 +1,7 @@
-//! Names of the recorded quantities, defined once: `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python use the same. A name ends in
+//! Names of the recorded quantities, shared by `arrays.npz`, `.vtu`, `frames.csv`, data sets and Python. A name ends in
 //! its unit if it has a single unit; shapes, frames and files are in `docs/data-format.md`.
 
-/// Groups of the arrays that no frame changes, of the left pad and of a right one that differs.
+/// Groups of the constant arrays of the left pad, and of the right pad if it differs.
 pub const PADS: [&str; 2] = ["pad", "right_pad"];
 
 /// Declares names with their units.
@@ -9,7 +9,7 @@ macro_rules! names {
     ($($(#[$doc:meta])* $name:ident $text:literal $unit:literal;)*) => {
         $($(#[$doc])* pub const $name: &str = $text;)*
 
-        /// All names, each with its unit: "1" for a quantity without a unit, several units with commas for a mixed
+        /// All names with their units: "1" for a dimensionless quantity, units separated by commas for a mixed
         /// quantity.
         pub const ALL: &[(&str, &str)] = &[$(($text, $unit),)*];
     };
@@ -20,7 +20,7 @@ names! {
     POSITION "position_m" "m";
     /// Node displacements relative to the pad carried rigidly by its finger.
     DISPLACEMENT "displacement_m" "m";
-    /// Contact force on the pad, per node, friction included.
+    /// Nodal contact force on the pad, friction included.
     CONTACT_FORCE "contact_force_n" "N";
     /// Von Mises stress per node: volume-weighted mean of the tetrahedra at the node.
     VON_MISES "von_mises_pa" "Pa";
@@ -34,11 +34,11 @@ names! {
     TIME "time_s" "s";
     /// Closing travel of each finger since first contact.
     TRAVEL "travel_m" "m";
-    /// Closing travel of each finger since the open hand.
+    /// Closing travel of each finger from the open hand.
     FINGER_POSITION "finger_position_m" "m";
     /// Pose of the object: px py pz qw qx qy qz.
     OBJECT_POSE "object_pose" "m, 1";
-    /// Weight and push on the object: force and torque about its centre of mass, hand frame.
+    /// External load on the object (weight and applied push): force and torque about its centre of mass, hand frame.
     OBJECT_LOAD "object_load" "N, N m";
     /// Pose of each pad at zero travel: px py pz qw qx qy qz.
     PAD_POSE "pad_pose" "m, 1";
@@ -46,46 +46,46 @@ names! {
     HAND_POSE "hand_pose" "m, 1";
     /// Pose of the hand in the object frame: px py pz qw qx qy qz.
     GRASP_POSE "grasp_pose" "m, 1";
-    /// Velocity and spin of the object.
+    /// Linear and angular velocity of the object.
     OBJECT_MOTION "object_motion" "m/s, rad/s";
     /// Force of the ground on the object.
     GROUND_FORCE "ground_force_n" "N";
-    /// Force and torque of the contact on each pad.
+    /// Contact force and torque on each pad.
     WRENCH "wrench" "N, N m";
-    /// Part of what friction holds that the loads of a grasp leave at the worst; negative if the object slips.
+    /// Smallest fraction of the friction limit that the loads of a grasp leave unused; negative if the object slips.
     SLIP_MARGIN "slip_margin" "1";
     /// Value of the incremental potential.
     ENERGY "energy_j" "J";
-    /// Norm of the out-of-balance nodal forces.
+    /// Norm of the unbalanced nodal forces.
     RESIDUAL "residual_n" "N";
     /// Unbalanced force over applied force.
     FORCE_BALANCE "force_balance" "1";
     /// Unbalanced torque over applied force times object size.
     TORQUE_BALANCE "torque_balance" "1";
-    /// Smallest det F in any element.
+    /// Smallest det F over all elements.
     MIN_DET_F "min_det_f" "1";
-    /// Smallest gap between pads and object.
+    /// Smallest gap between the object and pads or ground.
     MIN_GAP "min_gap_m" "m";
-    /// Newton iterations of the frame.
+    /// Number of Newton iterations of the frame.
     NEWTON_ITERATIONS "newton_iterations" "1";
-    /// Rest positions of the nodes.
+    /// Reference positions of the nodes.
     REST "rest_m" "m";
     /// Nodes of each tetrahedron.
     TETS "tets" "1";
-    /// Triangles of the whole surface of the pads.
+    /// Triangles of the outer surface of a pad.
     SURFACE "surface" "1";
     /// Triangles of the sensing faces.
     SENSING "sensing" "1";
-    /// Nodes glued to the finger.
+    /// Flag per node: bonded to the finger.
     BONDED "bonded" "1";
-    /// Pad that a node belongs to.
+    /// Index of the pad of each node.
     PAD_OF_NODE "pad_of_node" "1";
-    /// Pad that a tetrahedron belongs to.
+    /// Index of the pad of each tetrahedron.
     PAD_OF_TET "pad_of_tet" "1";
     /// Closing direction of each finger.
     CLOSING "closing" "1";
-    /// Vertices of the surface of the object.
+    /// Vertices of the object surface.
     VERTICES "vertices_m" "m";
-    /// Triangles of the surface of the object.
+    /// Triangles of the object surface.
     TRIANGLES "triangles" "1";
 }

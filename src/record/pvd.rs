@@ -5,7 +5,7 @@ use crate::files::atomic::write_atomic;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Collection that is complete on disk after every entry, so that an interrupted run opens in ParaView.
+/// Collection whose file is complete after every entry, so that an interrupted run opens in ParaView.
 #[derive(Debug)]
 pub struct Collection {
     path: PathBuf,
@@ -26,7 +26,7 @@ impl Collection {
     /// Fails if the collection cannot be written.
     pub fn push(&mut self, at: f64, files: &[&str]) -> Result<()> {
         for (part, file) in files.iter().enumerate() {
-            // Writing to a String cannot fail; our own file names need no XML escapes.
+            // Writing to a String cannot fail; the file names need no XML escapes.
             let _ = writeln!(self.entries, "<DataSet timestep=\"{at}\" group=\"\" part=\"{part}\" file=\"{file}\"/>");
         }
         let text = format!(

@@ -21,11 +21,11 @@ pub fn run_report(dir: &Path) -> Result<RunReport> {
     serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
 }
 
-/// Reads the frames of a grasp whose pads have so many `nodes` each, as they were recorded. A frame has the content of `arrays.npz`,
-/// wrenches and motion included, without the numbers of `frames.csv`.
+/// Reads the frames of a grasp from `arrays.npz`; `nodes` holds the number of nodes of each pad. Frames contain the
+/// arrays of the file (of the dynamic state the hand pose alone) but not the numbers of `frames.csv`.
 ///
 /// # Errors
-/// Fails if the file is not there, is damaged or belongs to other pads.
+/// Fails if the file is missing, damaged or belongs to other pads.
 pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;

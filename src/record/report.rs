@@ -1,4 +1,4 @@
-//! `run.json`: the run, the end of every grasp and the expectations of the scene. Keys end in their unit.
+//! `run.json`: the run, the outcome of every grasp and the expectations of the scene. Keys end in their unit.
 
 use super::ErrorBound;
 use super::frame::Frame;
@@ -11,23 +11,23 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// End of a grasp.
+/// Outcome of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// Loading reached, without inverted elements.
+    /// Final load reached without inverted elements.
     Reached,
-    /// Object lost from the grasp, as a real one would be: it slid or rolled out, or was not held when its support went. Frames up to
+    /// Object dropped: it slid or rolled out of the grasp, or was not held when its support was removed. Frames up to
     /// there are valid.
     Dropped,
-    /// Solver given up on the way, or unsound result; frames up to there are valid.
+    /// Solver failure or invalid result; frames up to there are valid.
     Fault,
-    /// Grasp that could not start (too wide, misses the object, begins in contact).
+    /// Grasp that cannot start (too wide, misses the object, or begins in contact).
     Infeasible,
 }
 
 impl Status {
-    /// Returns the word for the status in reports and files.
+    /// Returns the name of the status in reports and files.
     pub fn word(self) -> &'static str {
         match self {
             Status::Reached => "reached",
@@ -41,9 +41,9 @@ impl Status {
 /// Summary of a grasp. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GraspSummary {
-    /// Number of the grasp in its scene, from 0.
+    /// Index of the grasp in its scene, from 0.
     pub grasp: usize,
-    /// End of the grasp.
+    /// Outcome of the grasp.
     pub status: Status,
     /// Reason if the load was not reached; otherwise `None`.
     pub reason: Option<String>,
@@ -59,20 +59,20 @@ pub struct GraspSummary {
     pub min_gap_m: Option<f64>,
     /// Largest relative force imbalance over all frames.
     pub force_balance: Option<f64>,
-    /// Number of Newton iterations of all frames together.
+    /// Total number of Newton iterations.
     pub newton_iterations: u64,
     /// Counts of how often each method of the continuation was used.
     #[serde(default)]
     pub methods: Methods,
     /// Wall time of the grasp, s.
     pub wall_s: f64,
-    /// Error of the last frame by the network's own account; None for what was computed.
+    /// Error of the last frame as estimated by the network; None for frames computed by finite elements.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorBound>,
-    /// Reason why finite elements computed a grasp in place of the network.
+    /// Reason for which finite elements computed the grasp instead of the network.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub handed_over: Option<String>,
-    /// Effects of small changes on the last frame, if they were asked for.
+    /// Effects of small changes on the last frame, if requested.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivity: Vec<Moved>,
 }
@@ -99,7 +99,7 @@ impl GraspSummary {
         }
     }
 
-    /// Adds a further frame to the summary.
+    /// Updates the summary with the next frame.
     pub fn observe(&mut self, frame: &Frame) {
         let fold = |old: Option<f64>, new: f64, pick: fn(f64, f64) -> f64| Some(old.map_or(new, |old| pick(old, new)));
         self.force_n = frame.applied_force;
@@ -116,7 +116,7 @@ impl GraspSummary {
         self.error = frame.error;
     }
 
-    /// Returns the first number that is not finite, if any: JSON has no NaN, and serde would write `null` silently.
+    /// Returns the first non-finite number, if any, because serde would silently write `null` for it.
     fn not_finite(&self) -> Option<(&'static str, f64)> {
         let numbers = [
             ("force_n", Some(self.force_n)),
@@ -135,9 +135,9 @@ impl GraspSummary {
 pub struct ExpectationReport {
     /// Name as in the scene, e.g. `ForceBalance`.
     pub name: String,
-    /// True if the expectation held in every grasp.
+    /// True if the expectation is met in every grasp.
     pub held: bool,
-    /// Worst value seen; `None` if there was no frame to judge.
+    /// Worst value; `None` if there was no frame to evaluate.
     pub value: Option<f64>,
     /// Bound for the value.
     pub bound: Option<f64>,
@@ -148,11 +148,11 @@ pub struct ExpectationReport {
 pub struct PadReport {
     /// `left` or `right`.
     pub name: String,
-    /// Number of nodes, mid-edge ones included.
+    /// Number of nodes, including mid-edge nodes.
     pub nodes: usize,
     /// Number of tetrahedra.
     pub tets: usize,
-    /// `linear` or `quadratic`, with the treatment of volume, e.g. `quadratic, mean dilatation`.
+    /// `linear` or `quadratic`, with the volumetric treatment, e.g. `quadratic, mean dilatation`.
     pub element: String,
     /// Notice for the user, e.g. that linear tetrahedra lock at this Poisson's ratio.
     pub notice: Option<String>,
@@ -167,10 +167,10 @@ pub struct RunReport {
     pub backend: String,
     /// Number of threads.
     pub threads: usize,
-    /// Command that made the run, as it was typed; empty in older files.
+    /// Command line of the run, its program without the folder; empty in older files.
     #[serde(default)]
     pub command: String,
-    /// Machine on which it ran; empty in older files.
+    /// Processor and number of cores of the machine; empty in older files.
     #[serde(default)]
     pub machine: String,
     /// False until the run has finished, so that an interrupted run is recognisable.
@@ -179,21 +179,21 @@ pub struct RunReport {
     pub scene: serde_json::Value,
     /// Discretisations of the pads, left first.
     pub pads: Vec<PadReport>,
-    /// What to know before the results are trusted, a sentence each.
+    /// Warnings about the validity of the results, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
     /// Summaries of the grasps, in order.
     pub grasps: Vec<GraspSummary>,
-    /// Field of the scene that the expectations come from: `expect`, or the one for networks.
+    /// Field of the scene that states the expectations: `expect` or `expect_network`.
     #[serde(default)]
     pub promised_in: String,
-    /// Results of the expectations of the scene.
+    /// Results of the expectations.
     pub expectations: Vec<ExpectationReport>,
     /// Wall time by stage, s.
     pub profile_s: BTreeMap<String, f64>,
 }
 
-/// Returns the command of this process, its program without the folder.
+/// Returns the command line of this process, its program without the folder.
 fn command() -> String {
     let mut words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     if let Some(program) = words.first_mut() {
@@ -222,10 +222,10 @@ impl RunReport {
         }
     }
 
-    /// Returns the report as pretty JSON.
+    /// Returns the report as indented JSON.
     ///
     /// # Errors
-    /// Fails if a number is not finite, and names the first such number.
+    /// Fails if a number is not finite; the message names the first such number.
     pub fn to_json(&self) -> std::result::Result<String, String> {
         for (index, grasp) in self.grasps.iter().enumerate() {
             if let Some((name, value)) = grasp.not_finite() {
@@ -243,7 +243,7 @@ impl RunReport {
         serde_json::to_string_pretty(self).map(|text| text + "\n").map_err(|e| e.to_string())
     }
 
-    /// Writes the report to `path`, whole or not at all.
+    /// Writes the report to `path`; the file is replaced atomically.
     ///
     /// # Errors
     /// Fails if a number is not finite or the file cannot be written.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Change {
     /// Friction coefficient larger by 0.1.
     Friction,
-    /// Hand turned by half a degree about the finger width.
+    /// Hand rotated by half a degree about the finger width axis.
     Turn,
     /// Hand shifted by 0.2 mm along the approach.
     Shift,
@@ -22,13 +22,13 @@ pub enum Change {
 pub struct Moved {
     /// Change that was made.
     pub change: Change,
-    /// End of the grasp with the change.
+    /// Outcome of the grasp with the change.
     pub status: Status,
-    /// Difference of the displacements of both pads over their norm, L2 over the volume; None unless both grasps were
-    /// reached.
+    /// L2 norm over the volume of the difference of the pad displacements, relative to their norm; None unless both
+    /// grasps reach their load.
     pub displacement: Option<f64>,
-    /// Additional displacement of the object since first contact, rotations weighted by its bounding radius, m; None unless both were
-    /// reached.
+    /// Difference of the object's motion since first contact: translation plus rotation times the bounding radius, m;
+    /// None unless both grasps reach their load.
     pub object_m: Option<f64>,
 }
 

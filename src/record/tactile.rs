@@ -1,16 +1,16 @@
-//! Arrays of what a tactile sensor sees.
+//! Arrays of tactile sensor readings.
 
 use serde::{Deserialize, Serialize};
 
-/// Array of what the tactile sensors of all pads see in a frame.
+/// Readings of one kind of tactile sensor of all pads in a frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TactileArray {
-    /// Name in files, which ends in the unit if there is a single one.
+    /// Name in files, ending in the unit if there is a single unit.
     pub name: String,
     /// Unit of the numbers.
     pub unit: String,
-    /// Shape, pads first, row-major.
+    /// Shape, row-major, pads first.
     pub shape: Vec<usize>,
-    /// Numbers.
+    /// Values.
     pub values: Vec<f32>,
 }

@@ -1,7 +1,7 @@
 //! VTK XML `UnstructuredGrid` files (`.vtu`) for ParaView: the pads of one frame, or the object's surface.
 //!
-//! Arrays are inline base64 (`format="binary"`), little-endian, each compressed by zlib as one block (`vtkZLibDataCompressor`). The file
-//! stays well-formed XML, which every reader accepts. Bytes depend on the data alone.
+//! Arrays are inline base64 (`format="binary"`), little-endian, each compressed with zlib as one block
+//! (`vtkZLibDataCompressor`). The file is well-formed XML, and its bytes depend only on the data.
 
 use super::frame::{ElementNodes, Frame, PadTopology};
 use super::names;
@@ -16,9 +16,9 @@ const TRIANGLE: u8 = 5;
 const TETRA: u8 = 10;
 const QUADRATIC_TETRA: u8 = 24;
 
-/// Returns the pads of `frame` as one grid, in the hand frame, or in the world for a dynamic scene. Point data: displacement, contact
-/// force, von Mises stress, gap, `pad` (0 = left); cell data: von Mises stress, `pad`; the names are in [`names`]. Sizes must have been
-/// checked ([`super::check::frame`]).
+/// Returns the pads of `frame` as one grid, in the hand frame, or in the world frame for a dynamic scene. Point data:
+/// displacement, contact force, von Mises stress, gap, `pad` (0 = left); cell data: von Mises stress, `pad`; names are
+/// in [`names`]. Array sizes must have been checked ([`super::check::frame`]).
 pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut cells = Cells::default();
     let (mut node_pad, mut tet_pad) = (Vec::<u8>::new(), Vec::<u8>::new());
@@ -45,7 +45,7 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     out.push_str("<PointData>\n");
     let turned = |v: Vec<DVec3>| -> Vec<DVec3> { v.into_iter().map(|v| frame.shown_vector(v)).collect() };
     vectors(&mut out, names::DISPLACEMENT, &turned(gather(|pad| &pad.displacement)));
-    // What is not recorded is empty, and left out.
+    // Fields that are not recorded are empty and omitted.
     if frame.pads.iter().all(|pad| !pad.contact_force.is_empty()) {
         vectors(&mut out, names::CONTACT_FORCE, &turned(gather(|pad| &pad.contact_force)));
     }
@@ -67,7 +67,7 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     out
 }
 
-/// Returns the object's surface (object frame, m) moved to its pose in `frame`, shown in the frame of the pads.
+/// Returns the object's surface (object frame, m) at its pose in `frame`, in the same frame as [`pads`].
 pub fn object(surface: &TriMesh, frame: &Frame) -> String {
     let moved: Vec<DVec3> = surface
         .vertices
@@ -82,7 +82,7 @@ pub fn object(surface: &TriMesh, frame: &Frame) -> String {
     out
 }
 
-/// Three arrays by which VTK describes cells.
+/// The three VTK arrays that describe cells.
 #[derive(Default)]
 struct Cells {
     connectivity: Vec<i64>,
@@ -140,8 +140,8 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: &[u
         out,
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
     );
-    // Number of blocks, their size, that of a last one that is smaller (none is), and how large each is compressed; then the block,
-    // as a base64 stream of its own.
+    // Header: number of blocks, uncompressed block size, size of a partial last block (0: none), compressed block size.
+    // Then the block, as a separate base64 stream.
     let packed = deflated(bytes);
     let header = match bytes.len() as u64 {
         0 => vec![0, 0, 0],

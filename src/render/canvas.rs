@@ -1,4 +1,4 @@
-//! Chart as PNG and as SVG, from one drawing.
+//! Charts as PNG and SVG, drawn by the same code.
 
 use super::draw::{PAPER, clear};
 use super::sheet::Sheet;
@@ -16,7 +16,7 @@ use std::path::Path;
 
 /// Width and height, pixels.
 pub const SIZE: (u32, u32) = (1200, 640);
-/// Width of the list beside the plot, pixels.
+/// Width of the text list next to the plot, pixels.
 pub const LIST: u32 = 400;
 const FONT: &str = "sans-serif";
 /// Colour of axes and labels.
@@ -31,22 +31,22 @@ pub type Area<B> = DrawingArea<B, Shift>;
 /// Result of drawing.
 pub type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-/// Drawing for any kind of file.
+/// Chart that can be drawn on any backend.
 pub trait Picture {
-    /// Draws the plot itself.
+    /// Draws the plot.
     ///
     /// # Errors
     /// Fails if the backend of the file fails.
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B>;
 
-    /// Returns the text beside the plot, line by line.
+    /// Returns the lines of text next to the plot, with their colours.
     fn list(&self) -> Vec<(String, RGBColor)>;
 }
 
 /// Writes `name.png` and `name.svg` into `dir`.
 ///
 /// # Errors
-/// Fails if a file cannot be written or the picture has no point.
+/// Fails if the font cannot be loaded, the drawing fails or a file cannot be written.
 pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()> {
     let png = dir.join(name).with_extension("png");
     let refuse = |message: String| Error::file(&png, message);
@@ -71,7 +71,7 @@ fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl Picture) -> std::resul
     page.present().map_err(|e| e.to_string())
 }
 
-/// Returns the style of letters of `size` pixels.
+/// Returns the text style of `size` pixels.
 pub fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
     (FONT, size).into_font().color(color)
 }
@@ -79,7 +79,7 @@ pub fn text_style(size: u32, color: &RGBColor) -> TextStyle<'static> {
 /// Plane with two logarithmic axes.
 type Plane<'a, B> = ChartContext<'a, B, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// Draws the axes and the grid of a plot: the range and the name of each axis.
+/// Draws logarithmic axes and grid, given the range and the name of each axis.
 ///
 /// # Errors
 /// Fails if the backend of the file fails.
@@ -97,7 +97,7 @@ pub fn axes<'a, B: DrawingBackend>(
     Ok(plane)
 }
 
-/// Draws grid and axes of a plane with their names and numbers.
+/// Draws the grid and the axes of a plane with their names and tick labels.
 ///
 /// # Errors
 /// Fails if the backend of the file fails.
@@ -124,7 +124,7 @@ where
         .draw()
 }
 
-/// Returns a range for a logarithmic axis with room for all positive ones of `values`.
+/// Returns the range of a logarithmic axis that contains all positive `values` with a margin.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
         .filter(|v| v.is_finite() && *v > 0.0)
@@ -132,7 +132,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     if low <= high { (low / 1.6)..(high * 1.6) } else { 0.1..10.0 }
 }
 
-/// Formats a number on an axis.
+/// Formats a tick label.
 fn number(v: &f64) -> String {
     if *v < 0.01 { format!("{v:.0e}") } else { format!("{v}") }
 }

@@ -1,11 +1,11 @@
-//! Round tick values, and the bar that shows the values of the colours.
+//! Round tick values, and the colour bar.
 
 use super::colormap::{color, fraction};
 use super::draw::{INK, frame, polyline, rectangle};
 use super::text::{Align, Label};
 use tiny_skia::Pixmap;
 
-/// Returns values 1, 2 or 5 times a power of ten apart inside `range`, at most about `count`, with their labels.
+/// Returns about `count` tick values inside `range`, spaced by 1, 2 or 5 times a power of ten, with their labels.
 pub fn ticks(range: (f64, f64), count: usize) -> Vec<(f64, String)> {
     let span = range.1 - range.0;
     if !(span.is_finite() && span > 0.0) {
@@ -30,7 +30,7 @@ pub fn ticks(range: (f64, f64), count: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// Draws a vertical bar with its top left corner at `at`, `size` wide and high, with the label above it.
+/// Draws a vertical colour bar of `size` (width, height) with its top left corner at `at` and the title above it.
 pub fn draw(page: &mut Pixmap, label: &Label, at: (f32, f32), size: (f32, f32), range: (f64, f64), title: &str) {
     let rows = size.1.max(1.0) as usize;
     for row in 0..rows {

@@ -1,4 +1,4 @@
-//! Perceptually uniform colour map: dark violet through green to yellow, with brightness rising all the way.
+//! Perceptually uniform colour map: dark violet through green to yellow, with monotonically increasing luminance.
 
 /// Coefficients of t^0 .. t^6 for red, green and blue: a least-squares fit to ten samples of viridis, within 4 of 255.
 const FIT: [[f64; 7]; 3] = [
@@ -13,7 +13,7 @@ pub fn color(t: f64) -> [f32; 3] {
     FIT.map(|fit| (255.0 * fit.iter().rev().fold(0.0, |sum, c| sum * t + c)).clamp(0.0, 255.0) as f32)
 }
 
-/// Returns the position of `value` between the ends of `range`, 0 to 1.
+/// Returns the relative position of `value` in `range`, 0 at its lower and 1 at its upper end (not clamped).
 pub fn fraction(value: f64, range: (f64, f64)) -> f64 {
     let span = range.1 - range.0;
     if span > 0.0 { (value - range.0) / span } else { 0.0 }

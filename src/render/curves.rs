@@ -9,13 +9,13 @@ use tiny_skia::Pixmap;
 const SIZE: (u32, u32) = (900, 560);
 /// Left, top, right, bottom of the plot, pixels.
 const BOX: (f32, f32, f32, f32) = (90.0, 40.0, 870.0, 500.0);
-/// Colours of the curves, in turn.
+/// Colours of the curves, used cyclically.
 const COLORS: [Rgb; 3] = [[31, 119, 180], [214, 96, 20], [44, 140, 60]];
 
 /// Draws named curves of positive values, one value per epoch.
 ///
 /// # Errors
-/// Fails if there is no memory for the picture or the font cannot be loaded.
+/// Fails if the picture cannot be allocated or the font cannot be loaded.
 pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let no_memory = || Error::file("picture", "no memory for the picture");
     let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(no_memory)?;
@@ -25,7 +25,7 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let drawn = |v: f64| v.is_finite() && v > 0.0;
     let values = || curves.iter().flat_map(|c| c.1.iter().copied()).filter(|v| drawn(*v)).map(f64::log10);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    // A single value, or none, stands in the middle.
+    // A degenerate range is centred on its value.
     let middle = if low.is_finite() { low } else { 0.0 };
     let (low, high) = if low < high { (low, high) } else { (middle - 0.5, middle + 0.5) };
     let rim = 0.04 * (high - low);
@@ -57,13 +57,14 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     Ok(page)
 }
 
-/// Returns the round number of 1, 2 or 5 times a power of ten that is at least `size`.
+/// Returns the smallest of 1, 2, 5 or 10 times a power of ten that is at least `size`.
 fn step(size: f64) -> f64 {
     let power = 10_f64.powf(size.log10().floor());
     [1.0, 2.0, 5.0, 10.0].map(|f| f * power).into_iter().find(|s| *s >= size * (1.0 - 1e-9)).unwrap_or(size)
 }
 
-/// Returns round numbers between `low` and `high`: powers of ten over many decades, equal steps over less than one.
+/// Returns round tick values between `low` and `high`: 1 or 1, 2, 5 times powers of ten above one decade, otherwise
+/// equally spaced.
 fn marks(low: f64, high: f64) -> Vec<f64> {
     if high > 10.0 * low {
         let decades = low.log10().ceil() as i32..=high.log10().floor() as i32;
@@ -76,7 +77,7 @@ fn marks(low: f64, high: f64) -> Vec<f64> {
     ((low / step).ceil() as i64..=(high / step).floor() as i64).map(|k| k as f64 * step).collect()
 }
 
-/// Formats a mark with as many digits as it has.
+/// Formats a tick value without trailing zeros.
 fn short(value: f64) -> String {
     if (1e-3..1e4).contains(&value) { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:.0e}") }
 }

@@ -1,11 +1,11 @@
-//! Lines, boxes and arrows on a pixmap, coordinates in pixels from the top left.
+//! Lines, boxes and arrows on a pixmap; coordinates in pixels from the top left.
 
 use tiny_skia::{Color, FillRule, LineCap, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
 /// Colour: red, green, blue in 0..=255.
 pub type Rgb = [u8; 3];
 
-/// Position: pixels right and down.
+/// Position: x right, y down, pixels.
 type Point = (f32, f32);
 
 /// Colour of text and axes.
@@ -17,7 +17,7 @@ pub const LINE: Rgb = [196, 201, 209];
 /// Colour of the background of the page.
 pub const PAPER: Rgb = [252, 252, 250];
 
-/// Returns the paint of one colour; `alpha` in 0..=1.
+/// Returns a paint of uniform colour; `alpha` in 0..=1.
 pub fn paint(rgb: Rgb, alpha: f32) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(rgb[0], rgb[1], rgb[2], (alpha.clamp(0.0, 1.0) * 255.0) as u8);
@@ -29,7 +29,7 @@ pub fn clear(pixmap: &mut Pixmap, rgb: Rgb) {
     pixmap.fill(Color::from_rgba8(rgb[0], rgb[1], rgb[2], 255));
 }
 
-/// Draws a straight line through `points`.
+/// Draws straight segments through `points`.
 pub fn polyline(pixmap: &mut Pixmap, points: &[Point], width: f32, rgb: Rgb, alpha: f32) {
     let mut builder = PathBuilder::new();
     for (i, &(x, y)) in points.iter().enumerate() {
@@ -49,7 +49,7 @@ pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) 
     }
 }
 
-/// Draws an arrow with a thin dark rim, readable on any colour.
+/// Draws an arrow with a thin dark outline, readable on any colour.
 pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
         polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
@@ -58,7 +58,7 @@ pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb
     }
 }
 
-/// Returns the end of the shaft and the corners of the head; `None` if the arrow is too small to be seen.
+/// Returns the end of the shaft and the corners of the head; `None` if the arrow is shorter than half a pixel.
 fn arrow_shape(from: Point, to: Point, width: f32) -> Option<(Point, [Point; 3])> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);
@@ -79,7 +79,7 @@ pub fn fill(pixmap: &mut Pixmap, points: &[Point], rgb: Rgb) {
     }
 }
 
-/// Draws the frame of a box.
+/// Draws the outline of a box.
 pub fn frame(pixmap: &mut Pixmap, x: f32, y: f32, w: f32, h: f32, rgb: Rgb) {
     polyline(pixmap, &[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)], 1.0, rgb, 1.0);
 }

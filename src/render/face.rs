@@ -1,4 +1,4 @@
-//! Pad seen face-on from the object, in millimetres of its own frame, deformed, coloured by value.
+//! Front view of a deformed sensing face in millimetres of the pad frame, coloured by value.
 
 use super::colorbar::ticks;
 use super::colormap::{color, fraction};
@@ -15,11 +15,11 @@ use tiny_skia::Pixmap;
 /// Distance between displacement arrows, m.
 const MARKER_SPACING: f64 = 2.0e-3;
 
-/// Sensing face of a pad in its own frame, at points between the nodes.
+/// Sensing face of a pad in the pad frame, refined between the nodes.
 pub struct SensingFace {
     triangles: Vec<[u32; 3]>,
     values: Vec<f64>,
-    /// Positions at rest in the pad frame, m.
+    /// Reference positions in the pad frame, m.
     rest: Vec<DVec3>,
     /// Deformed positions in the pad frame, m.
     now: Vec<DVec3>,
@@ -46,7 +46,7 @@ impl Panel {
 }
 
 impl SensingFace {
-    /// Builds the face from a frame: `pose` is the pad frame in the hand frame.
+    /// Creates the face from a frame; `pose` is the rotation and the origin of the pad frame in the hand frame.
     pub fn new(topology: &PadTopology, pad: &PadFrame, scalar: Scalar, pose: (DMat3, DVec3)) -> Self {
         let [surface, _] = Surface::both(topology, scalar.is_field());
         let back = pose.0.transpose();
@@ -58,7 +58,7 @@ impl SensingFace {
         }
     }
 
-    /// Returns the smallest and largest x and y of the sensing face, m; `None` without one.
+    /// Returns the bounding box of the deformed sensing face in x and y, m; `None` if it is empty.
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let points = self.now.iter().map(|p| p.truncate());
         points.fold(None, |bounds: Option<(DVec2, DVec2)>, p| match bounds {
@@ -67,7 +67,7 @@ impl SensingFace {
         })
     }
 
-    /// Draws face, axes and name into the panel.
+    /// Draws the face, the axes and the name into the panel.
     pub fn draw(&self, page: &mut Pixmap, label: &Label, panel: Panel, range: (f64, f64), name: &str) {
         let mut raster = Raster::new(panel.size.0 as usize, panel.size.1 as usize);
         for triangle in &self.triangles {
@@ -102,8 +102,8 @@ impl SensingFace {
         }
     }
 
-    /// Returns the in-plane displacement at points of a regular grid on the rest face: (present position, displacement),
-    /// m.
+    /// Returns the in-plane displacement at the points of a regular grid on the reference face: (current position,
+    /// displacement), m.
     pub fn markers(&self) -> Vec<(DVec3, DVec2)> {
         let rest = |n: u32| self.rest[n as usize].truncate();
         let mut markers = BTreeMap::new();
@@ -111,7 +111,7 @@ impl SensingFace {
             let [a, b, c] = triangle.map(rest);
             let area = (b - a).perp_dot(c - a);
             let (low, high) = (a.min(b).min(c) / MARKER_SPACING, a.max(b).max(c) / MARKER_SPACING);
-            // A pad without any sense of scale would ask for millions of arrows.
+            // Skips degenerate triangles, and huge ones, which would need millions of arrows.
             if area.abs() < 1e-18 || (high - low).max_element() > 50.0 {
                 continue;
             }
@@ -119,7 +119,7 @@ impl SensingFace {
                 let p = DVec2::new(i as f64, j as f64) * MARKER_SPACING;
                 let weights =
                     [(c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)].map(|w| w / area);
-                // A hair outside still counts: a point between two triangles is in both, and drawn once.
+                // The tolerance includes points on shared edges, which lie in two triangles but are drawn once.
                 if weights.iter().all(|&w| w >= -1e-9) {
                     let at = (0..3).map(|k| weights[k] * self.now[triangle[k] as usize]).sum::<DVec3>();
                     markers.entry((i, j)).or_insert((at, at.truncate() - p));
@@ -129,7 +129,7 @@ impl SensingFace {
         markers.into_values().collect()
     }
 
-    /// Draws arrows, scaled so that `longest` metres have the width of the grid.
+    /// Draws displacement arrows, scaled so that `longest` metres are drawn almost as long as the grid spacing.
     pub fn draw_markers(&self, page: &mut Pixmap, panel: Panel, longest: f64) {
         let length = 0.95 * MARKER_SPACING * panel.scale / longest;
         for (at, shift) in self.markers() {
@@ -142,7 +142,7 @@ impl SensingFace {
     }
 }
 
-/// Returns the whole numbers between the corners.
+/// Returns the integer grid points between the corners.
 fn grid(low: DVec2, high: DVec2) -> impl Iterator<Item = (i64, i64)> {
     let (x, y) = (low.x.ceil() as i64..=high.x.floor() as i64, low.y.ceil() as i64..=high.y.floor() as i64);
     x.flat_map(move |i| y.clone().map(move |j| (i, j)))

@@ -1,7 +1,7 @@
-//! Pictures of a grasp as PNG, drawn in software: no window, no GPU, the same bytes everywhere.
+//! Pictures of a grasp as PNG, rendered in software without a window or a GPU; the bytes are the same on every machine.
 //!
-//! `pads.rs` lays the picture out; `surface.rs` evaluates what is drawn with the shape functions of the elements; `face.rs`
-//! draws a sensing face, `view.rs` the cut-open 3-D view; `raster.rs` is the z-buffer.
+//! `pads.rs` defines the layout; `surface.rs` evaluates surface points with the shape functions of the elements;
+//! `face.rs` draws a sensing face, `view.rs` the 3-D section view; `raster.rs` is the z-buffer.
 
 pub mod canvas;
 mod colorbar;

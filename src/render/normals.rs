@@ -1,12 +1,12 @@
-//! Shading normals: smooth where the surface is smooth, sharp at creases.
+//! Vertex normals for shading: averaged over smooth regions, discontinuous at sharp edges.
 
 use glam::DVec3;
 
-/// Cosine of the angle between two faces above which their edge is drawn sharp (40 degrees).
+/// Cosine of the crease angle (40 degrees): faces whose normals differ by more do not share a vertex normal.
 const CREASE: f64 = 0.766;
 
-/// Returns the normal at each corner of each triangle: the area-weighted mean over the faces at that vertex that bend less than the
-/// crease angle.
+/// Returns the normal at each corner of each triangle: the area-weighted mean over the faces at that vertex whose
+/// normals differ by less than the crease angle.
 pub fn corner_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
     let faces: Vec<DVec3> = triangles
         .iter()

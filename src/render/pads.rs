@@ -1,4 +1,4 @@
-//! Picture of a frame: both sensing faces, the colour bar, the 3-D view.
+//! Picture of a frame: sensing faces, colour bars and 3-D view.
 
 use super::colorbar;
 use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
@@ -15,19 +15,20 @@ use glam::DVec2;
 use std::path::Path;
 use tiny_skia::Pixmap;
 
-/// Left and right end of the face panels, pixels.
+/// Left and right edge of the face panels, pixels.
 const FACE_X: (f32, f32) = (64.0, 354.0);
-/// Left ends of the colour bars of faces and view, pixels.
+/// Left edges of the colour bars of faces and view, pixels.
 const BAR_X: [f32; 2] = [FACE_X.1 + 30.0, FACE_X.1 + 186.0];
-/// Left end and width of the view, pixels.
+/// Left edge and width of the view, pixels.
 const VIEW_X: (f32, f32) = (600.0, 772.0);
-/// Top and bottom of everything below the title, pixels.
+/// Top and bottom edge of the area below the title, pixels.
 const BODY_Y: (f32, f32) = (136.0, 744.0);
 
-/// Draws a frame, [`WIDTH`] x [`HEIGHT`] pixels. `object` is the object's surface in the object frame, m.
+/// Draws a frame as a picture of [`WIDTH`] x [`HEIGHT`] pixels. `object` is the object's surface in the object frame,
+/// m.
 ///
 /// # Errors
-/// Fails if inputs do not fit together or are not finite; the message names the field.
+/// Fails if input sizes do not match or numbers are not finite; the message names the field.
 pub fn render_pads(
     topologies: &[PadTopology],
     frame: &Frame,
@@ -60,7 +61,7 @@ pub fn render_pads(
     Ok(page)
 }
 
-/// Encodes the picture as the bytes of a PNG file.
+/// Encodes the picture as PNG.
 ///
 /// # Errors
 /// Fails if the picture cannot be encoded.
@@ -68,7 +69,7 @@ pub fn encode(picture: &Pixmap) -> Result<Vec<u8>> {
     picture.encode_png().map_err(|e| Error::file("picture", format!("cannot encode as PNG: {e}")))
 }
 
-/// Writes the picture to `path`, whole or not at all.
+/// Writes the picture to `path`; the file is replaced atomically.
 ///
 /// # Errors
 /// Fails if the picture cannot be encoded or the file cannot be written.
@@ -86,7 +87,7 @@ fn color_range(frame: &Frame, scalar: Scalar, given: Option<(f64, f64)>) -> Resu
         return Err(Error::file("picture", message));
     }
     let largest = frame.pads.iter().flat_map(|pad| scalar.values(pad)).fold(0.0, f64::max);
-    // An unloaded pad is all zero: any scale will do, as long as it has two ends.
+    // The values of an unloaded pad are all zero; any non-empty range will do.
     Ok((0.0, if largest > 0.0 { largest } else { 1.0 }))
 }
 
@@ -114,7 +115,8 @@ fn longest(faces: &[(usize, SensingFace)]) -> f64 {
     faces.iter().flat_map(|(_, face)| face.markers()).map(|(_, u)| u.length()).fold(0.0, f64::max)
 }
 
-/// Returns the largest in-plane displacement that an arrow of a picture shows, m: [`Style::longest`] of pictures to be compared.
+/// Returns the largest in-plane displacement shown by an arrow, m; use it as [`Style::longest`] of pictures that are
+/// compared.
 pub fn longest_arrow(topologies: &[PadTopology], frame: &Frame) -> f64 {
     longest(&sensing_faces(topologies, frame, Scalar::default()))
 }
@@ -130,7 +132,7 @@ fn faces(
     let faces = sensing_faces(topologies, frame, style.face);
     let bounds = faces.iter().filter_map(|(_, face)| face.bounds()).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let Some((low, high)) = bounds else { return };
-    // One scale and one centre for all pads, so that they can be compared.
+    // All pads have the same scale and centre, so that they can be compared.
     let gap = 62.0;
     let height = (BODY_Y.1 - BODY_Y.0 - gap * (faces.len() as f32 - 1.0)) / faces.len() as f32;
     let size = (FACE_X.1 - FACE_X.0, height.max(1.0).floor());
@@ -141,7 +143,7 @@ fn faces(
         let at = (FACE_X.0, BODY_Y.0 + row as f32 * (size.1 + gap));
         let panel = Panel { at, size, center: (low + high) / 2.0, scale };
         face.draw(page, label, panel, range, &format!("{} pad, sensing face (mm)", pad_name(*pad)));
-        // Below a tenth of a micrometre arrows would show rounding.
+        // Displacements below 0.1 um are rounding errors.
         if style.markers && longest > 1e-7 {
             face.draw_markers(page, panel, longest);
         }

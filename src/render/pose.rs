@@ -1,12 +1,11 @@
-//! Rigid motion that carries a pad's rest shape to the place where its finger holds it, recovered from a frame.
+//! Rigid transform from the pad frame to the hand frame, recovered from a frame.
 
 use crate::record::{PadFrame, PadTopology};
 use glam::{DMat3, DVec3};
 
-/// Returns rotation and origin of the pad frame in the hand frame (m); `None` if the nodes do not span a plane.
+/// Returns the rotation and the origin of the pad frame in the hand frame (m); `None` if the nodes are collinear.
 ///
-/// `position - displacement` is the rest shape carried rigidly, so three nodes that are far apart give the motion
-/// exactly.
+/// `position - displacement` is the rigidly moved reference shape, so three distant nodes determine the motion exactly.
 pub fn pad_pose(topology: &PadTopology, pad: &PadFrame) -> Option<(DMat3, DVec3)> {
     let rest = &topology.rest;
     let count = rest.len().min(pad.position.len()).min(pad.displacement.len());

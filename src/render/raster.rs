@@ -1,4 +1,4 @@
-//! Triangles with interpolated values and a z-buffer, supersampled.
+//! Z-buffer rasteriser for triangles with interpolated values, with supersampling.
 
 use super::draw::Rgb;
 use super::text::blend;
@@ -11,22 +11,22 @@ const SUPER: usize = 2;
 /// Corner of a triangle.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Vertex {
-    /// Position: pixels right and down, and depth (smaller is nearer, any unit).
+    /// Position: x right and y down, pixels; z is the depth (smaller is nearer, any unit).
     pub position: DVec3,
-    /// Value that decides the colour.
+    /// Value passed to the shader.
     pub value: f64,
-    /// Surface normal in the frame in which the shader lights.
+    /// Surface normal, in the frame of the light direction of the shader.
     pub normal: DVec3,
 }
 
-/// Rectangle of the page that is drawn into.
+/// Rectangle of samples, drawn off-screen.
 pub struct Raster {
     width: usize,
     height: usize,
     samples: Vec<Sample>,
 }
 
-/// Sample with its depth, its body (0 is none) and its colour. It is small, because there are millions of them.
+/// Sample: depth, body (0 is none) and colour; compact, because there are millions.
 #[derive(Clone, Copy)]
 struct Sample {
     depth: f32,
@@ -42,7 +42,7 @@ impl Raster {
         Raster { width, height, samples: vec![empty; width * height] }
     }
 
-    /// Draws a triangle of body `body` (not 0) where it is nearest; `shade(value, normal)` gives its colour.
+    /// Draws a triangle of `body` (not 0) where it is nearest; `shade(value, normal)` returns its colour.
     pub fn triangle(&mut self, corners: [Vertex; 3], body: u8, shade: impl Fn(f64, DVec3) -> [f32; 3]) {
         let [a, b, c] = corners.map(|v| v.position * DVec3::new(SUPER as f64, SUPER as f64, 1.0));
         let area = cross(a, b, c);
@@ -56,7 +56,7 @@ impl Raster {
             for column in columns.clone() {
                 let p = DVec3::new(column as f64 + 0.5, row as f64 + 0.5, 0.0);
                 let weights = [cross(b, c, p) / area, cross(c, a, p) / area, cross(a, b, p) / area];
-                // A hair outside still counts: samples on a shared edge must not fall between two triangles.
+                // The tolerance prevents gaps between triangles that share an edge.
                 if weights.iter().any(|&w| w < -1e-9) {
                     continue;
                 }
@@ -72,7 +72,7 @@ impl Raster {
         }
     }
 
-    /// Moves all samples of `body` to the depth that `depth` gives at their pixels right and down.
+    /// Sets the depth of all samples of `body` to `depth(x, y)`; x and y in pixels.
     pub fn move_to(&mut self, body: u8, depth: impl Fn(f64, f64) -> f64) {
         let pixel = |i: usize| (i as f64 + 0.5) / SUPER as f64;
         for (index, sample) in self.samples.iter_mut().enumerate().filter(|(_, sample)| sample.body == body) {
@@ -80,7 +80,7 @@ impl Raster {
         }
     }
 
-    /// Takes over the samples that are nearer in a raster of the same size.
+    /// Copies the samples of a raster of the same size that are nearer.
     pub fn merge(&mut self, other: &Self) {
         for (own, sample) in self.samples.iter_mut().zip(&other.samples) {
             if sample.depth < own.depth {
@@ -89,7 +89,7 @@ impl Raster {
         }
     }
 
-    /// Darkens the samples where one body ends and another, or nothing, begins.
+    /// Darkens the samples on the border of a body.
     pub fn outline(&mut self, strength: f32) {
         let body = |x: usize, y: usize| self.samples[y * self.width + x].body;
         let mut edges = Vec::new();
@@ -108,7 +108,7 @@ impl Raster {
         }
     }
 
-    /// Averages the samples onto the page with the top left corner at (`x`, `y`), `opacity` in 0..=1.
+    /// Averages the samples and blends them into the page, the top left corner at (`x`, `y`); `opacity` in 0..=1.
     pub fn paste(&self, page: &mut Pixmap, x: i32, y: i32, opacity: f32) {
         for row in 0..self.height / SUPER {
             for column in 0..self.width / SUPER {
@@ -134,7 +134,7 @@ fn byte(c: f32) -> u8 {
     c.round().clamp(0.0, 255.0) as u8
 }
 
-/// Returns twice the signed area of the triangle in the page's plane.
+/// Returns twice the signed area of the triangle in the image plane.
 fn cross(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }

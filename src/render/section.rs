@@ -1,4 +1,4 @@
-//! Cuts through bodies: triangles against a plane, and the face that the plane makes through the tetrahedra.
+//! Plane sections: clipping of triangles, and the intersection of a plane with tetrahedra.
 
 use super::raster::Vertex;
 use super::style::NodalValues;
@@ -6,10 +6,10 @@ use crate::mech::element::{EDGES, tet10_values};
 use crate::record::ElementNodes;
 use glam::DVec3;
 
-/// Plane that keeps the points `x` with `normal . x >= offset`.
+/// Clipping plane that keeps the points `x` with `normal . x >= offset`.
 #[derive(Debug, Clone, Copy)]
 pub struct CutPlane {
-    /// Unit normal, towards the part that is kept.
+    /// Unit normal, pointing into the part that is kept.
     pub normal: DVec3,
     /// Distance from the origin along the normal, m.
     pub offset: f64,
@@ -20,7 +20,7 @@ impl CutPlane {
         self.normal.dot(point) - self.offset
     }
 
-    /// Returns the remaining part of a triangle, as triangles (none, one or two).
+    /// Clips a triangle; returns the remaining part as zero, one or two triangles.
     pub fn clip(&self, triangle: [Vertex; 3]) -> Vec<[Vertex; 3]> {
         let distances = triangle.map(|v| self.distance(v.position));
         let mut polygon = Vec::with_capacity(4);
@@ -36,8 +36,8 @@ impl CutPlane {
         (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]).collect()
     }
 
-    /// Returns the cut through the tetrahedra: triangles whose normal points out of the part that is kept. Positions in m. Between its
-    /// nodes a quadratic tetrahedron follows its shape functions.
+    /// Returns the intersection of the plane with the tetrahedra, as triangles whose normals point out of the part that
+    /// is kept; positions in m. Quadratic tetrahedra are subdivided with their shape functions.
     pub(super) fn cut(&self, elements: &ElementNodes, positions: &[DVec3], field: &NodalValues) -> Vec<[Vertex; 3]> {
         let at = |nodes: &[u32], phi: &[f64]| Vertex {
             position: nodes.iter().zip(phi).map(|(n, w)| *w * positions[*n as usize]).sum(),
@@ -65,7 +65,8 @@ impl CutPlane {
         triangles
     }
 
-    /// Cuts the part of a quadratic tetrahedron with these barycentric corners, after this number of further halvings.
+    /// Intersects the part of a quadratic tetrahedron with these barycentric corners, after `halvings` further
+    /// subdivisions.
     fn cut_parts(
         &self,
         corners: [[f64; 4]; 4],
@@ -89,7 +90,7 @@ impl CutPlane {
         match (above.as_slice(), below.as_slice()) {
             (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => out.push([edge(a, b), edge(a, c), edge(a, d)]),
             (&[a, b], &[c, d]) => {
-                // Around the quadrilateral, not across it.
+                // Order along the boundary of the quadrilateral.
                 let ring = [edge(a, c), edge(a, d), edge(b, d), edge(b, c)];
                 out.push([ring[0], ring[1], ring[2]]);
                 out.push([ring[0], ring[2], ring[3]]);
@@ -102,12 +103,13 @@ impl CutPlane {
 /// Number of times that the edges of a quadratic tetrahedron are halved.
 const HALVINGS: u32 = 2;
 
-/// Eight parts of a halved tetrahedron: four corners, then the octahedron in between split along (0,1)-(2,3).
+/// Eight sub-tetrahedra of a tetrahedron with halved edges: four at the corners, four from the inner octahedron, split
+/// along the diagonal between the midpoints of edges (0,1) and (2,3).
 const PARTS: [[usize; 4]; 8] =
     [[0, 4, 6, 7], [1, 4, 5, 8], [2, 5, 6, 9], [3, 7, 8, 9], [4, 9, 5, 6], [4, 9, 6, 7], [4, 9, 7, 8], [4, 9, 8, 5]];
 
-/// Returns the point where the plane meets the edge from `a` to `b`, which lie at distances `da` and `db` on different
-/// sides.
+/// Returns the intersection of the plane with the edge from `a` to `b`, whose signed distances `da` and `db` have
+/// opposite signs.
 fn between(a: Vertex, b: Vertex, da: f64, db: f64) -> Vertex {
     let t = (da / (da - db)).clamp(0.0, 1.0);
     Vertex {

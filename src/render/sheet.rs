@@ -1,4 +1,5 @@
-//! Pixmap as a sheet on which charts are drawn, with letters of [`Label`]: those of `plotters` stand too close to each other.
+//! Drawing backend for `plotters` on a pixmap, with text drawn by [`Label`], because `plotters` spaces letters too
+//! closely.
 
 use super::draw::clear;
 use super::text::{Align, Label, blend};
@@ -7,22 +8,22 @@ use plotters_backend::{BackendColor, BackendCoord, BackendTextStyle, DrawingBack
 use std::convert::Infallible;
 use tiny_skia::Pixmap;
 
-/// Part of the size of the letters by which the base line lies below the top of their box.
+/// Distance of the baseline from the top of the text box, relative to the font size.
 const BASE: f32 = 0.75;
 
-/// Sheet; lines and areas are those of `plotters`, pixel by pixel.
+/// Backend that implements single pixels and text; `plotters` rasterises lines and areas.
 pub struct Sheet<'a> {
     pixmap: &'a mut Pixmap,
     label: &'a Label,
 }
 
 impl<'a> Sheet<'a> {
-    /// Returns a sheet that draws on `pixmap`.
+    /// Creates a backend that draws on `pixmap`.
     pub fn new(pixmap: &'a mut Pixmap, label: &'a Label) -> Self {
         Self { pixmap, label }
     }
 
-    /// Returns width and height of a line of text, pixels.
+    /// Returns the width and the height of a line of text, pixels.
     fn size(&self, text: &str, size: f64) -> (u32, u32) {
         (self.label.width(text, size as f32).ceil() as u32, (size / 1.24) as u32)
     }
@@ -54,7 +55,8 @@ impl DrawingBackend for Sheet<'_> {
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
         let (width, height) = self.size(text, style.size());
         let size = style.size() as f32;
-        // Drawn apart, and turned where it is put. Letters may leave their box a little.
+        // The text is drawn on a separate pixmap and then rotated into place; the margin holds glyphs that exceed the
+        // text box.
         let rim = size.ceil() as i32;
         let room = (width + 2 * rim as u32, height + 2 * rim as u32);
         let Some(mut apart) = Pixmap::new(room.0, room.1) else { return Ok(()) };

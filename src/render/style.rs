@@ -21,7 +21,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// Returns the label with the unit of [`Scalar::values`].
+    /// Returns the label, with the unit of [`Scalar::values`].
     pub fn label(self) -> &'static str {
         match self {
             Scalar::Stress => "von Mises stress (kPa)",
@@ -38,7 +38,7 @@ impl Scalar {
         }
     }
 
-    /// Returns the nodal values from which the values between the nodes come, in the same unit.
+    /// Returns the nodal values to be interpolated, in the same unit.
     pub(super) fn field(self, pad: &PadFrame) -> NodalValues {
         let scaled = |vectors: &[DVec3]| NodalValues::Vectors(vectors.iter().map(|v| *v * 1e3).collect());
         match self {
@@ -48,8 +48,9 @@ impl Scalar {
         }
     }
 
-    /// Returns true if the elements' shape functions hold between the nodes. A force on a node is a sum over its surroundings and not a
-    /// value there: corners and middles of edges bear different shares, which the shape functions would turn into waves.
+    /// Returns true if the quantity is interpolated with the shape functions of the elements. Nodal forces are
+    /// integrals, not point values: corner and mid-edge nodes carry different fractions, so quadratic interpolation
+    /// would oscillate.
     pub(super) fn is_field(self) -> bool {
         self != Scalar::ContactForce
     }
@@ -59,12 +60,12 @@ impl Scalar {
 pub(super) enum NodalValues {
     /// Numbers, one per node.
     Numbers(Vec<f64>),
-    /// Vectors, one per node, whose length is drawn.
+    /// Vectors, one per node; their length is drawn.
     Vectors(Vec<DVec3>),
 }
 
 impl NodalValues {
-    /// Returns the value at a point with these shape function values of the nodes.
+    /// Returns the interpolated value at a point, given nodes and shape function values.
     pub fn at(&self, (nodes, phi): (&[u32], &[f64])) -> f64 {
         let pairs = || nodes.iter().zip(phi).map(|(n, w)| (*n as usize, *w));
         match self {
@@ -79,20 +80,21 @@ impl NodalValues {
 pub struct Style {
     /// Quantity that colours the pads of the 3-D view.
     pub scalar: Scalar,
-    /// Quantity that colours the sensing faces. The default is the displacement, which a tactile sensor sees and which the elements
-    /// resolve where stress, a derivative of it, still shows their edges.
+    /// Quantity that colours the sensing faces. The default is the displacement, which a tactile sensor measures and
+    /// which is continuous between elements, unlike stress.
     pub face: Scalar,
-    /// First line, e.g. `lemon, grasp 003`; force and travel are added below it.
+    /// Title, e.g. `lemon, grasp 003`; force and travel are printed below it.
     pub title: String,
-    /// Ends of the colour bar of the 3-D view, in the unit of [`Scalar::label`]; `None` spans 0 to the largest value of this frame.
+    /// Colour range of the 3-D view, in the unit of [`Scalar::label`]; `None` spans 0 to the largest value of this
+    /// frame.
     pub range: Option<(f64, f64)>,
-    /// Ends of the colour bar of the sensing faces, as in `range`.
+    /// Colour range of the sensing faces, as in `range`.
     pub face_range: Option<(f64, f64)>,
-    /// Switch for arrows of the in-plane displacement on the sensing faces, as the markers of a tactile sensor show it.
+    /// Flag: draw arrows of the in-plane displacement on the sensing faces, like the markers of a tactile sensor.
     pub markers: bool,
-    /// In-plane displacement of the longest arrow, m; `None` takes the largest of this frame.
+    /// In-plane displacement of the longest arrow, m; `None` uses the largest of this frame.
     pub longest: Option<f64>,
-    /// Switch for a cut of the 3-D view through the middle of the pads, which shows the stress inside the gel.
+    /// Flag: cut the 3-D view through the middle of the pads, to show the stress inside the gel.
     pub cut: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Surface of a pad as its elements describe it: faces with mid-edge nodes, cut into triangles so small that they look curved. At their
-//! corners everything is evaluated with the shape functions.
+//! Surface of a pad: quadratic faces are subdivided into triangles small enough to appear curved, whose corners are
+//! evaluated with the shape functions of the elements.
 
 use super::normals::corner_normals;
 use super::raster::Vertex;
@@ -12,20 +12,21 @@ use crate::record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
-/// Number of parts of an edge of a curved face: at 13 pixels a millimetre and 2.6 mm a face edge, six pixels each.
+/// Number of segments per edge of a curved face: about six pixels each at 13 pixels/mm and 2.6 mm per face edge.
 const PARTS: usize = 6;
 
-/// Triangles between points of faces.
+/// Triangles between points on element faces.
 #[derive(Default)]
 pub struct Surface {
-    /// Nodes and shape function values of every point.
+    /// Nodes and shape function values of each point.
     pub points: Vec<Stencil>,
-    /// Points of every triangle, counter-clockwise seen from outside.
+    /// Points of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Surface {
-    /// Returns the sensing face and the rest of the outer surface, curved like the elements or flat between the nodes.
+    /// Returns the sensing face and the rest of the outer surface; quadratic if `curved` and the elements are,
+    /// otherwise flat between nodes.
     pub fn both(topology: &PadTopology, curved: bool) -> [Self; 2] {
         let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| SurfaceFace { corners: *t, mids: None }).collect();
         let [sensing, outside] = curved
@@ -41,7 +42,7 @@ impl Surface {
             let parts = if face.mids.is_some() { PARTS } else { 1 };
             for triangle in sub_triangles(parts) {
                 let corner = triangle.map(|lattice| {
-                    // A point that faces share is one point: its corners and their weights, in the order of the nodes.
+                    // Faces share points: the key consists of corner nodes and their weights, sorted by node.
                     let mut key = [0, 1, 2].map(|k| (face.corners[k], lattice[k] * PARTS / parts));
                     key.iter_mut().filter(|(_, weight)| *weight == 0).for_each(|entry| *entry = (u32::MAX, 0));
                     key.sort_unstable();
@@ -56,7 +57,7 @@ impl Surface {
         surface
     }
 
-    /// Returns the points for nodes at `x`.
+    /// Returns the positions of the points for nodes at `x`.
     pub fn positions(&self, x: &[DVec3]) -> Vec<DVec3> {
         self.points.iter().map(|point| point.position(x)).collect()
     }
@@ -80,7 +81,8 @@ impl Surface {
     }
 }
 
-/// Returns sensing and other faces with their mid-edge nodes; None for linear elements and if they do not make up the sensing face.
+/// Returns the sensing and the other faces with their mid-edge nodes; None for linear elements, or if the sensing face
+/// does not consist of whole element faces.
 fn faces(topology: &PadTopology) -> Option<[Vec<SurfaceFace>; 2]> {
     let ElementNodes::Quadratic(tets) = &topology.elements else { return None };
     let edge = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -101,8 +103,7 @@ fn faces(topology: &PadTopology) -> Option<[Vec<SurfaceFace>; 2]> {
 mod tests {
     use super::*;
 
-    /// Checks two faces of a pad with a curved edge between them: no point twice, and the middle of the edge on the
-    /// parabola.
+    /// Checks two faces with a common curved edge: no point is duplicated, and the edge is a parabola.
     #[test]
     fn a_curved_edge_is_a_parabola_and_faces_share_its_points() {
         let faces = [

@@ -1,11 +1,11 @@
-//! Labels: the Ubuntu face embedded by `epaint_default_fonts`, drawn by `ab_glyph`.
+//! Text labels in the Ubuntu font embedded by `epaint_default_fonts`, rasterised by `ab_glyph`.
 
 use super::draw::Rgb;
 use crate::error::{Error, Result};
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
-/// Position of the given point on the line of text.
+/// Horizontal alignment: position of the anchor point on the line of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Align {
     /// Start of the line.
@@ -16,7 +16,7 @@ pub enum Align {
     Right,
 }
 
-/// Font ready to draw.
+/// Loaded font.
 pub struct Label {
     font: FontRef<'static>,
 }
@@ -38,7 +38,7 @@ impl Label {
         text.chars().map(|c| font.h_advance(font.glyph_id(c))).sum()
     }
 
-    /// Returns `text`, or as much of its beginning as fits into `room` pixels, with an ellipsis.
+    /// Returns `text`, truncated with an ellipsis if it is wider than `room` pixels.
     pub fn fit(&self, text: &str, size: f32, room: f32) -> String {
         if self.width(text, size) <= room {
             return text.to_string();
@@ -68,7 +68,7 @@ impl Label {
             let id = font.glyph_id(character);
             if let Some(outline) = self.font.outline_glyph(id.with_scale_and_position(scale, point(pen, at.1))) {
                 let (left, top) = (outline.px_bounds().min.x as i32, outline.px_bounds().min.y as i32);
-                // The face is a light one: a little more coverage keeps small sizes readable.
+                // The light font needs higher coverage to be readable at small sizes.
                 outline
                     .draw(|x, y, c| blend(pixmap, left + x as i32, top + y as i32, rgb, c.clamp(0.0, 1.0).powf(0.65)));
             }
@@ -77,7 +77,7 @@ impl Label {
     }
 }
 
-/// Mixes `rgb` into an opaque pixel; does nothing outside the picture.
+/// Blends `rgb` into an opaque pixel; does nothing outside the picture.
 pub fn blend(pixmap: &mut Pixmap, x: i32, y: i32, rgb: Rgb, coverage: f32) {
     let (width, height) = (pixmap.width() as i32, pixmap.height() as i32);
     if x < 0 || y < 0 || x >= width || y >= height {

@@ -1,4 +1,4 @@
-//! View in 3-D: pads and object in the hand frame, orthographic, cut open through the middle.
+//! Orthographic 3-D view of pads and object in the hand frame, optionally cut through the middle.
 
 use super::colormap::{color, fraction};
 use super::draw::{INK, MUTED, arrow, polyline};
@@ -13,35 +13,35 @@ use crate::record::{Frame, PadTopology, pad_name};
 use glam::{DVec2, DVec3};
 use tiny_skia::Pixmap;
 
-/// Numbers of the bodies of the object: its outside, and its inside where it is cut.
+/// Body numbers of the object in the raster: outer surface, and inner surface exposed by the cut.
 const OBJECT: u8 = 200;
 const OBJECT_CUT: u8 = 201;
 const OBJECT_RGB: [f32; 3] = [226.0, 219.0, 206.0];
 const OBJECT_CUT_RGB: [f32; 3] = [212.0, 205.0, 192.0];
 
-/// Difference in depth that cannot be seen, m.
+/// Depth offset too small to be visible, m.
 const HAIR: f64 = 1e-6;
 
-/// Distance of the cut from the middle, m, so that all nodes there are on one side of it.
+/// Offset of the cut from the middle, m, so that all nodes in the middle plane lie on one side of the cut.
 const ASIDE: f64 = 1e-7;
 
 /// Content of the view.
 pub struct CutView<'a> {
     /// Topologies of the pads.
     pub topologies: &'a [PadTopology],
-    /// State of the pads and the object.
+    /// State of pads and object.
     pub frame: &'a Frame,
     /// Quantity that colours the pads.
     pub scalar: Scalar,
-    /// Ends of the colour scale.
+    /// Colour range.
     pub range: (f64, f64),
     /// Object surface in the object frame, m.
     pub object: Option<&'a TriMesh>,
-    /// Switch to remove the part in front of the middle.
+    /// Flag: remove the part in front of the middle plane.
     pub cut: bool,
 }
 
-/// Orthographic camera; the hand comes from above, so "up" is against the approach.
+/// Orthographic camera; "up" is opposite to the approach direction, so the hand is shown above.
 struct Camera {
     right: DVec3,
     up: DVec3,
@@ -63,21 +63,22 @@ impl Camera {
         Camera { right, up, towards, center: DVec3::ZERO, middle: DVec2::ZERO, scale: 1.0, light }
     }
 
-    /// Returns the position on the raster and the depth.
+    /// Projects a point to raster position (x, y) and depth (z).
     fn project(&self, p: DVec3) -> DVec3 {
         let d = p - self.center;
         let (x, y) = (self.scale * d.dot(self.right), self.scale * d.dot(self.up));
         DVec3::new(self.middle.x + x, self.middle.y - y, -d.dot(self.towards))
     }
 
-    /// Returns the depth of the point of a plane that is seen at a position on the raster.
+    /// Returns the depth of a plane at a raster position.
     fn depth(&self, plane: CutPlane, at: DVec2) -> f64 {
         let aside = (at - self.middle) / self.scale;
         let p = self.center + self.right * aside.x - self.up * aside.y;
         (plane.normal.dot(p) - plane.offset) / plane.normal.dot(self.towards)
     }
 
-    /// Centres the camera on `pads` and `object`; a large object may leave the picture, the pads may not.
+    /// Fits the view to `pads` and `object`. A large object is cropped: the scale is at least half of that which fits
+    /// the pads alone.
     fn fit(&mut self, pads: &[DVec3], object: &[DVec3], size: DVec2) {
         let extent = |points: &mut dyn Iterator<Item = DVec3>| {
             points.fold(None, |bounds: Option<(DVec3, DVec3)>, p| {
@@ -102,7 +103,7 @@ impl Camera {
 }
 
 impl CutView<'_> {
-    /// Draws into the rectangle of the page; axes and scale take the 60 pixels below it.
+    /// Draws into the rectangle of the page; axes and scale bar use the 60 pixels below it.
     pub fn draw(&self, page: &mut Pixmap, label: &Label, at: (f32, f32), size: (f32, f32)) {
         let pads: Vec<DVec3> = self.frame.pads.iter().flat_map(|pad| pad.position.iter().copied()).collect();
         let pose = |v: &DVec3| self.frame.object_position + self.frame.object_rotation * *v;
@@ -119,7 +120,8 @@ impl CutView<'_> {
             let mut solid = Raster::new(size.0 as usize, size.1 as usize);
             draw_object(&mut solid, &camera, plane, &object, &mesh.triangles);
             if let Some(plane) = plane {
-                // The cut lies in the plane, in front of the far side that shows through; a hair behind the cut of the pads.
+                // The section of the object is drawn in the cut plane, slightly behind the section of the pads, instead
+                // of at the depth of the far side.
                 solid.move_to(OBJECT_CUT, |x, y| camera.depth(plane, DVec2::new(x, y)) + HAIR);
             }
             raster.merge(&solid);
@@ -144,13 +146,13 @@ impl CutView<'_> {
         }
         if let Some(plane) = plane {
             for part in plane.cut(&topology.elements, &pad.position, &field) {
-                // Not lit: on the cut the colour is to be read as a number.
+                // Unlit, so that the colour on the section can be read as a value.
                 raster.triangle(project(camera, part), body + 1, |value, _| tint(value));
             }
         }
     }
 
-    /// Writes `left` and `right` above the pads.
+    /// Draws the pad names above the pads.
     fn names(&self, page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
         for (index, pad) in self.frame.pads.iter().enumerate() {
             let projected: Vec<DVec3> = pad.position.iter().map(|&p| camera.project(p)).collect();
@@ -185,7 +187,7 @@ fn draw_object(
             if front || plane.is_none() {
                 raster.triangle(part, OBJECT, |_, normal| OBJECT_RGB.map(|c| c * light(normal, camera) as f32));
             } else {
-                // Where the inside of a closed surface shows, the plane has cut through the solid.
+                // Back faces of a closed surface are visible only through the cut.
                 raster.triangle(part, OBJECT_CUT, |_, _| OBJECT_CUT_RGB);
             }
         });
@@ -203,9 +205,10 @@ fn project(camera: &Camera, corners: [Vertex; 3]) -> [Vertex; 3] {
     corners.map(|v| Vertex { position: camera.project(v.position), ..v })
 }
 
-/// Returns the brightness of soft light: 0.62 in the shade, 1.05 at normal incidence.
+/// Returns the brightness of a diffuse light: 0.62 on a surface facing away from the light, 1.05 on a surface facing
+/// it.
 fn light(normal: DVec3, camera: &Camera) -> f64 {
-    // Half-Lambert: shades turn gradually and nothing goes black.
+    // Half-Lambert shading: gradual, without black regions.
     0.62 + 0.43 * (0.5 + 0.5 * normal.dot(camera.light)).powi(2)
 }
 
@@ -219,7 +222,7 @@ fn triad(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
     }
 }
 
-/// Draws a bar of a round length that ends at `at`.
+/// Draws a scale bar of a round length whose right end is at `at`.
 fn scale_bar(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
     let wanted = 180.0 / camera.scale * 1e3;
     let power = 10f64.powf(wanted.log10().floor());

@@ -1,4 +1,4 @@
-//! Section of a bench: time against error of every setting, or cost against size.
+//! Section of a benchmark: time against error of every setting, or cost against problem size.
 
 use super::page::{Page, PageBlock, Section};
 use crate::bench::report::{BenchReport, Point};
@@ -9,10 +9,10 @@ use crate::table::Table;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Adds the contest in `dir`.
+/// Adds the benchmark of settings in `dir`.
 ///
 /// # Errors
-/// Fails if a file cannot be read or is not one of `tactus bench`.
+/// Fails if a file cannot be read or was not written by `tactus bench`.
 pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let report: BenchReport = read(&dir.join("bench.json"))?;
     let mut blocks = Vec::new();
@@ -43,7 +43,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Adds the cost by size in `dir`.
+/// Adds the study of cost against size in `dir`.
 ///
 /// # Errors
 /// Fails in the cases of [`contest`].
@@ -117,7 +117,7 @@ fn remark(p: &Point) -> String {
     }
 }
 
-/// Builds the table of the time by stage.
+/// Returns the table of the time fraction of each stage.
 fn stages(report: &BenchReport) -> Table {
     let mut table = Table::new("Where the time goes", &["setting", "iterations a frame", "share of the stages"]);
     table.folded = true;

@@ -1,55 +1,55 @@
-//! Numbers of the charts that the page draws.
+//! Data of the charts that the page draws.
 
 use serde::Serialize;
 
-/// Chart; one of its quantities is shown at a time.
+/// Chart that shows one of its quantities at a time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chart {
     /// Title of the chart.
     pub title: String,
-    /// Abscissa of the numbers.
+    /// Abscissa of all quantities.
     pub over: Over,
-    /// Quantities to choose from.
+    /// Selectable quantities.
     pub quantities: Vec<Quantity>,
 }
 
-/// Abscissa of the numbers of a chart.
+/// Abscissa of a chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
-    /// Names, each with a bar.
+    /// Category names, for a bar chart.
     Names(Vec<String>),
-    /// Numbers, over which lines are drawn.
+    /// Numeric axis, for a line chart.
     Axis {
-        /// Name of the axis with its unit.
+        /// Label of the axis with its unit.
         label: String,
-        /// Positions of the numbers on the axis.
+        /// Abscissae of the values.
         at: Vec<f64>,
     },
 }
 
-/// Quantity with its series; over names these are median, 90th percentile and worst value.
+/// Quantity with its series; for category names these are median, 90th percentile and worst value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {
     /// Name of the quantity.
     pub name: String,
     /// Unit of the quantity.
     pub unit: String,
-    /// Series, three at most.
+    /// Series, at most three.
     pub series: Vec<Series>,
 }
 
-/// Series of a quantity, as long as the abscissa.
+/// Series of a quantity, of the same length as the abscissa.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
-    /// Name for the key of the chart.
+    /// Name in the legend.
     pub name: String,
-    /// Values; NaN where there is none.
+    /// Values; NaN if missing.
     pub values: Vec<f64>,
 }
 
 impl Series {
-    /// Returns a series.
+    /// Creates a series.
     pub fn new(name: &str, values: Vec<f64>) -> Self {
         Self { name: name.into(), values }
     }

@@ -1,4 +1,4 @@
-//! Section of a data set, and of a network judged on it.
+//! Section of a data set, and of a network evaluated on it.
 
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
@@ -19,10 +19,10 @@ use crate::record::PadTopology;
 use crate::table::Table;
 use std::path::Path;
 
-/// Relative errors that tables and charts show: name in the rows, name for readers.
+/// Relative errors in tables and charts: key in the error rows, displayed name.
 const RELATIVE: [(&str, &str); 4] =
     [("displacement", "displacement"), ("stress", "stress"), ("contact_force", "contact force"), ("travel", "travel")];
-/// Errors with a unit that tables and charts show.
+/// Errors with a unit in tables: key in the error rows, displayed name.
 const ABSOLUTE: [(&str, &str); 5] = [
     ("displacement_mm", "displacement, mm"),
     ("displacement_worst_mm", "largest, mm"),
@@ -31,10 +31,10 @@ const ABSOLUTE: [(&str, &str); 5] = [
     ("object_deg", "turn of object, deg"),
 ];
 
-/// Adds the data set in `dir`, and the network of `wishes` judged on it.
+/// Adds the data set in `dir`, and the network of `wishes` evaluated on it.
 ///
 /// # Errors
-/// Fails if the data set or the model cannot be read, or the data lies outside of the training range of the model.
+/// Fails if the data set or the model cannot be read, or if the data is outside of the training range of the model.
 pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     if let Some(manifest) = Manifest::read(dir)?
         && !manifest.finished
@@ -102,7 +102,8 @@ pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Rec
     })
 }
 
-/// Returns tables and charts of the network; adds grasps from the best to the worst to the page.
+/// Returns the tables and charts of the network; adds recordings of grasps ranging from the best to the worst to the
+/// page.
 fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
@@ -144,13 +145,13 @@ fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Resu
     Ok(notes)
 }
 
-/// Returns the error of the displacement under the full load, by which grasps are ranked.
+/// Returns the displacement error at full load, by which grasps are ranked.
 fn last(judged: &Judged) -> f64 {
     judged.frames.last().map_or(0.0, |f| f.displacement)
 }
 
-/// Returns places among `count` ranked grasps with their roles: one is the median, two are median and worst, more are
-/// spread from the best to the worst.
+/// Returns ranks among `count` ranked grasps with their roles: one is the median, two are median and worst, more are
+/// spread evenly from the best to the worst.
 fn roles(count: usize, wanted: usize) -> Vec<(usize, String)> {
     let Some(end) = count.checked_sub(1) else { return Vec::new() };
     let places: Vec<usize> = match wanted.min(count) {
@@ -196,7 +197,8 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
     })
 }
 
-/// Returns the table of the groups whose names start with `prefix`, and of all together.
+/// Returns the error table of the groups whose names start with `prefix`; the table by object includes the group of
+/// all.
 fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
     let relative = RELATIVE.map(|(_, name)| format!("{name}, %"));
     let columns: Vec<&str> = ["group", "frames"]
@@ -224,7 +226,7 @@ fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
     out
 }
 
-/// Returns relative errors of `groups` in percent, for a chart.
+/// Returns the relative errors of `groups` in percent, for a chart.
 fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
     let of = |(quantity, name): &(&str, &str)| {
         let pick = |value: fn(&ErrorRow) -> f64| {
@@ -253,7 +255,7 @@ fn by_object(table: &[ErrorRow]) -> Chart {
 
 fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[Judged]) -> Chart {
     let pads = set.objects.first().map_or(1, |o| o.sizes.pads) as f64;
-    // Every grasp is loaded alike: the frame tells the force.
+    // All grasps have the same load levels, so the frame index determines the force.
     let frames = judged.first().map_or(&[][..], |j| &j.frames);
     let groups: Vec<String> = frames.iter().map(|f| format!("frame {:03}", f.frame)).collect();
     let over = Over::Axis { label: "force, N".into(), at: frames.iter().map(|f| pads * f.force_n).collect() };

@@ -1,10 +1,10 @@
-//! Results as one page that needs only a browser: tables, charts, and both pads in 3-D.
+//! Report of results as one self-contained HTML page: tables, charts, and pads in 3-D.
 //!
 //! ```text
 //! folder -> source.rs: bench | sizes | run | data set | training
 //!        -> bench.rs, run.rs, evaluation.rs, ...: Section (tables, charts) + Recording (frames of a grasp)
 //!        -> page.rs: one HTML file; table.rs also as Markdown
-//!           page/: style, viewer and charts of the page, written for it and put inside it
+//!           page/: style, viewer and charts, embedded in the page
 //! ```
 
 mod bench;
@@ -27,10 +27,11 @@ use crate::error::{Error, Result};
 use source::{Source, sources};
 use std::path::PathBuf;
 
-/// Builds the page about the results in `dirs`, in their order.
+/// Builds the page of the results in `dirs`, in the same order.
 ///
 /// # Errors
-/// Fails if a folder has no results, results cannot be read, or there is a model without a data set to judge it on.
+/// Fails if a folder has no results, if results cannot be read, or if there is a model but no data set to evaluate it
+/// on.
 pub fn report(dirs: &[PathBuf], wishes: &Wishes) -> Result<Page> {
     let found = dirs.iter().map(|dir| sources(dir)).collect::<Result<Vec<_>>>()?.concat();
     if let Some(model) = &wishes.model

@@ -1,9 +1,10 @@
-//! Arrays of the page: little-endian integers in base64, described by JSON.
+//! Binary encoding of arrays for the page: little-endian integers in base64, described by JSON.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 
-/// Packs numbers as 16-bit integers times `scale`: off by at most `scale / 2`, 1.6e-5 of the largest.
+/// Quantises numbers to 16-bit integers times `scale`; the error is at most `scale / 2`, 1.6e-5 of the largest
+/// magnitude.
 pub fn numbers(shape: &[usize], values: &[f64]) -> Value {
     debug_assert_eq!(shape.iter().product::<usize>(), values.len());
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -12,7 +13,7 @@ pub fn numbers(shape: &[usize], values: &[f64]) -> Value {
     json!({ "type": "i16", "shape": shape, "scale": scale, "base64": base64(&bytes) })
 }
 
-/// Packs whole numbers, 16 bits each if they fit, otherwise 32.
+/// Packs unsigned integers, 16 bits each if they fit, otherwise 32.
 pub fn indices(shape: &[usize], values: &[u32]) -> Value {
     debug_assert_eq!(shape.iter().product::<usize>(), values.len());
     let short: Option<Vec<u16>> = values.iter().map(|v| u16::try_from(*v).ok()).collect();

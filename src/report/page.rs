@@ -1,4 +1,4 @@
-//! Page: one HTML file with its style, its script and its data inside.
+//! Page: one HTML file with embedded style, script and data.
 
 use super::chart::Chart;
 use super::packed::base64;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 const FRAME: &str = include_str!("page/page.html");
 const VIEWER: &str = include_str!("page/viewer.html");
 const STYLE: &str = include_str!("page/style.css");
-/// Parts of the script, in the order in which they depend on each other.
+/// Parts of the script, in order of dependence.
 const SCRIPT: [&str; 8] = [
     include_str!("page/data.js"),
     include_str!("page/matrix.js"),
@@ -23,7 +23,7 @@ const SCRIPT: [&str; 8] = [
     include_str!("page/check.js"),
 ];
 
-/// Part of the script that keeps a served page up to date.
+/// Part of the script that updates a served page.
 const LIVE: &str = include_str!("page/live.js");
 
 /// Content of the page.
@@ -31,32 +31,33 @@ const LIVE: &str = include_str!("page/live.js");
 pub struct Page {
     /// Sections with tables and charts, from the top.
     pub sections: Vec<Section>,
-    /// Grasps in 3-D.
+    /// Recordings of grasps for the 3-D viewer.
     pub recordings: Vec<Recording>,
 }
 
-/// Section about one folder.
+/// Section for one result folder.
 #[derive(Debug, Clone)]
 pub struct Section {
     /// Heading of the section.
     pub title: String,
-    /// Introduction, a sentence or two.
+    /// Introductory sentences.
     pub lead: String,
     /// Content of the section.
     pub blocks: Vec<PageBlock>,
-    /// Date of the results, s since 1970.
+    /// Time of the results, s since 1970-01-01 UTC.
     pub written: Option<u64>,
-    /// Command and machine that made them; may be empty.
+    /// Command and machine that produced the results; may be empty.
     pub made: Vec<String>,
 }
 
 impl Section {
-    /// Returns a section without date and origin.
+    /// Creates a section without date and origin.
     pub fn new(title: impl Into<String>, lead: impl Into<String>, blocks: Vec<PageBlock>) -> Self {
         Self { title: title.into(), lead: lead.into(), blocks, written: None, made: Vec::new() }
     }
 
-    /// Returns a line about the origin of the section, for the top of the page. The browser writes the date in the reader's own way.
+    /// Returns the line on the origin of the section for the top of the page. The browser formats the date in the
+    /// locale of the reader.
     fn origin(&self) -> String {
         let date = self.written.map(|at| format!("<time data-at=\"{at}\"></time>"));
         let made = self.made.iter().map(|text| format!("<span>{}</span>", escape(text)));
@@ -72,14 +73,14 @@ pub enum PageBlock {
     Table(Table),
     /// Chart that the page draws.
     Chart(Chart),
-    /// Picture drawn earlier, SVG, with its description.
+    /// SVG picture from a file, with its caption.
     Picture(String, String),
     /// Remark.
     Note(String),
 }
 
 impl Page {
-    /// Returns the HTML file, which needs nothing else.
+    /// Returns the self-contained HTML file.
     ///
     /// # Errors
     /// Fails in the cases of [`Recording::json`].
@@ -87,8 +88,8 @@ impl Page {
         self.write(None)
     }
 
-    /// Returns the page of a server that it asks for the state of the results, `state` now: where that is another, it takes over the new
-    /// content.
+    /// Returns the page for a server. It polls the server for the state of the results, initially `state`, and replaces
+    /// its content when the state changes.
     ///
     /// # Errors
     /// Fails in the cases of [`Recording::json`].
@@ -109,7 +110,7 @@ impl Page {
                 body += &match block {
                     PageBlock::Table(table) => table.html(),
                     PageBlock::Note(text) => format!("<p class=\"note\">{}</p>\n", escape(text)),
-                    // The picture comes from a file: as an image it can neither run anything nor load anything.
+                    // Embedded as an image, because an SVG from a file must not run scripts or load resources.
                     PageBlock::Picture(svg, about) => format!(
                         "<figure class=\"picture\"><img src=\"data:image/svg+xml;base64,{}\" alt=\"\"><figcaption>{}</figcaption></figure>\n",
                         base64(svg.as_bytes()),
@@ -142,14 +143,14 @@ impl Page {
             ("version", env!("CARGO_PKG_VERSION").to_string()),
             ("viewer", if grasps.is_empty() { String::new() } else { VIEWER.to_string() }),
             ("sections", body),
-            // Nothing in the data may end its element.
+            // Escaping `<` prevents the data from closing its script element.
             ("data", data.replace('<', "\\u003c")),
             ("script", SCRIPT.concat() + live),
         ];
         Ok(fill(FRAME, &parts))
     }
 
-    /// Returns the tables as Markdown, for a README.
+    /// Returns the tables that are not folded as Markdown, for a README.
     pub fn markdown(&self) -> String {
         let of = |section: &Section| {
             let tables = section.blocks.iter().filter_map(|block| match block {

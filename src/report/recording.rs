@@ -1,7 +1,7 @@
-//! Grasp in 3-D: the content of its frames on the page.
+//! Recording of a grasp for the 3-D viewer of the page.
 //!
-//! Only the surface of a pad is seen, so only its nodes are kept, in the frame of the pad. The page places the pads
-//! itself, closed or laid open.
+//! Only surface nodes are stored, in the pad frame, because the interior is not visible. The page positions the pads
+//! itself, closed or unfolded.
 
 use super::packed::{indices, numbers};
 use crate::error::{Error, Result};
@@ -17,19 +17,19 @@ use serde_json::{Value, json};
 pub struct Recording {
     /// Name of the grasp.
     pub name: String,
-    /// Role of the grasp as an example; may be empty.
+    /// Role of the grasp among the examples (e.g. the worst); may be empty.
     pub about: String,
-    /// Topologies of its pads, left first.
+    /// Meshes of its pads, left first.
     pub pads: Vec<PadTopology>,
     /// Surface of the object, object frame, m.
     pub object: TriMesh,
-    /// States: the truth, then a prediction if there is one; equal frames.
+    /// States: the truth, then the prediction if any, at the same frames.
     pub states: Vec<RecordedState>,
-    /// Errors of the prediction, frame by frame.
+    /// Errors of the prediction in each frame.
     pub errors: Option<Errors>,
 }
 
-/// Frames as one backend computes them.
+/// Frames computed by one backend.
 #[derive(Debug, Clone)]
 pub struct RecordedState {
     /// Name of the backend: `finite elements`, `network`.
@@ -38,7 +38,7 @@ pub struct RecordedState {
     pub frames: Vec<Frame>,
 }
 
-/// Errors of each frame, relative to the field's norm.
+/// Errors of each frame, relative to the norm of the field.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Errors {
     /// Error of the displacement.
@@ -50,11 +50,11 @@ pub struct Errors {
 }
 
 impl Recording {
-    /// Returns the grasp for the page. `meshes` holds the meshes that several grasps share; a grasp refers to them by
-    /// their place there.
+    /// Returns the grasp as JSON. Meshes are shared between grasps: they are stored in `meshes`, and the grasp refers
+    /// to their indices.
     ///
     /// # Errors
-    /// Fails if the grasp has no frames, or no pad with an extent.
+    /// Fails if the grasp has no frames or no pads, or if the pose of a pad cannot be determined.
     pub fn json(&self, meshes: &mut Vec<Value>) -> Result<Value> {
         let fail = |message: &str| Error::Start(format!("{}: {message}", self.name));
         let first = self.states.first().and_then(|s| s.frames.first()).ok_or_else(|| fail("has no frame to show"))?;
@@ -83,7 +83,7 @@ impl Recording {
     }
 }
 
-/// Returns the place of `mesh` among `meshes`, where it is kept once.
+/// Returns the index of `mesh` in `meshes`; appends it if it is not there.
 fn place(meshes: &mut Vec<Value>, mesh: Value) -> usize {
     meshes.iter().position(|m| *m == mesh).unwrap_or_else(|| {
         meshes.push(mesh);
@@ -102,10 +102,10 @@ fn flat(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
-/// Visible nodes of a pad.
+/// Visible surface of a pad.
 struct Surface<'a> {
     pad: &'a PadTopology,
-    /// From the pad frame to the hand frame.
+    /// Rotation from the pad frame to the hand frame.
     rotation: DMat3,
     nodes: Vec<usize>,
     sensing: Vec<u32>,
@@ -134,20 +134,20 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Returns a field of the visible nodes in the frame of the pad; None if it was not recorded.
+    /// Returns a vector field at the visible nodes, in the pad frame; None if it was not recorded.
     fn vectors(&self, field: &[DVec3]) -> Option<Vec<DVec3>> {
         self.nodes.iter().map(|n| field.get(*n).map(|v| self.rotation.transpose() * *v)).collect()
     }
 
-    /// Returns the origin of the pad frame.
+    /// Returns the origin of the pad frame in the hand frame, m.
     fn origin(&self, pad: &PadFrame) -> DVec3 {
-        // Any node: `position - displacement` is the rest shape carried rigidly.
+        // `position - displacement` is the rigidly moved reference shape, so any node can be used.
         pad.position[0] - pad.displacement[0] - self.rotation * self.pad.rest[0]
     }
 }
 
-/// Returns a state: fields of the visible nodes, frames then the nodes of all pads, left first; places of pads and object in the hand
-/// frame.
+/// Returns a state as JSON: fields of the visible nodes (frames, then nodes of all pads, left first), and poses of pads
+/// and object in the hand frame.
 fn state(surfaces: &[Surface], state: &RecordedState) -> Value {
     let (frames, nodes) = (state.frames.len(), surfaces.iter().map(|s| s.nodes.len()).sum::<usize>());
     let all = || state.frames.iter().flat_map(|f| f.pads.iter().zip(surfaces));
@@ -159,7 +159,7 @@ fn state(surfaces: &[Surface], state: &RecordedState) -> Value {
     let stress: Option<Vec<f64>> =
         all().flat_map(|(p, surface)| surface.nodes.iter().map(|n| p.von_mises_node.get(*n).copied())).collect();
     let force = vectors(|p| &p.contact_force).map(|force| {
-        // Few nodes ever touch: the others are left out.
+        // Only nodes that are in contact in some frame are stored.
         let touched = |i: &usize| (0..frames).any(|k| force[k * nodes + i] != DVec3::ZERO);
         let touched: Vec<usize> = (0..nodes).filter(touched).collect();
         let kept = (0..frames).flat_map(|k| touched.iter().map(move |i| (k, *i)));

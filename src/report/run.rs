@@ -1,4 +1,4 @@
-//! Section of a run: the end of its grasps, its promises, its frames.
+//! Section of a run: outcomes of its grasps, expectations, frames.
 
 use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
@@ -14,7 +14,7 @@ use std::path::Path;
 /// Adds the run in `dir`.
 ///
 /// # Errors
-/// Fails if the folder has no readable `run.json`. Frames that cannot be shown are a remark in the page.
+/// Fails if the folder has no readable `run.json`. Frames that cannot be shown result in a note on the page.
 pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     let report = read::run_report(dir)?;
     let mut blocks = vec![PageBlock::Table(grasps(&report))];
@@ -41,7 +41,7 @@ pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Returns the last part of a path, for headings.
+/// Returns the last component of a path, for headings.
 pub fn name(dir: &Path) -> String {
     let whole = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
     whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
@@ -61,7 +61,7 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Rec
     let recording = |grasp: usize| {
         let path = dir.join(directory(grasp)).join("arrays.npz");
         let frames = match read::frames(&path, &nodes) {
-            // It has ended, and its arrays are being written.
+            // The grasp has just ended and its arrays are still being written.
             Err(_) if !report.finished => return None,
             frames => frames,
         };
@@ -115,7 +115,7 @@ fn grasps(report: &RunReport) -> Table {
     table
 }
 
-/// Formats four digits, with an exponent only where that is shorter.
+/// Formats four significant digits, in scientific notation for very small and large values.
 fn significant(v: f64) -> String {
     match v.abs() {
         0.0 => "0".into(),

@@ -1,4 +1,4 @@
-//! Kinds of results in a folder.
+//! Detection of the kinds of results in a folder.
 
 use crate::dataset::manifest::MANIFEST;
 use crate::error::{Error, Result};
@@ -6,23 +6,23 @@ use crate::net::train::curves::CURVES;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-/// Largest number of frames of a grasp in 3-D, unless another is wished.
+/// Default maximum number of frames per grasp in 3-D.
 pub const FRAMES: usize = 25;
 
-/// Choice of the results that are shown.
+/// Options of a report.
 #[derive(Debug, Clone)]
 pub struct Wishes {
-    /// Folder of a trained model that is judged on the data sets.
+    /// Folder of a trained model to be evaluated on the data sets.
     pub model: Option<PathBuf>,
-    /// Split of the data sets; the default is that of the model, otherwise `poses`.
+    /// Split of the data sets; None uses that of the model, or `poses` without a model.
     pub split: Option<String>,
-    /// Number of grasps of each folder in 3-D.
+    /// Number of grasps in 3-D per folder.
     pub grasps: usize,
-    /// Largest number of frames of each, spread over it and including the last.
+    /// Maximum number of frames per grasp, spread evenly and including the last.
     pub frames: usize,
 }
 
-/// Results in a folder.
+/// Kind of results, with their folder.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Results of `tactus bench`.
@@ -37,7 +37,7 @@ pub enum Source {
     Training(PathBuf),
 }
 
-/// File that reveals the kind of results in a folder.
+/// File name that identifies a kind of results.
 type Mark = (&'static str, fn(PathBuf) -> Source);
 
 const MARKS: [Mark; 5] = [
@@ -48,11 +48,11 @@ const MARKS: [Mark; 5] = [
     (CURVES, Source::Training),
 ];
 
-/// Returns all results in `dir`, at least one; where it has none itself, those of its folders, by name: a run of several objects has a
-/// folder for each.
+/// Returns all results in `dir`, or if there are none those in its subfolders, sorted by name: a run of several objects
+/// has a subfolder for each.
 ///
 /// # Errors
-/// Fails if there are none.
+/// Fails if there are no results.
 pub fn sources(dir: &Path) -> Result<Vec<Source>> {
     let own = in_folder(dir);
     if !own.is_empty() {
@@ -70,7 +70,7 @@ pub fn sources(dir: &Path) -> Result<Vec<Source>> {
     Ok(found)
 }
 
-/// Returns true if there are results in `dir` or in one of its folders.
+/// Returns true if there are results in `dir` or in one of its subfolders.
 pub fn holds_results(dir: &Path) -> bool {
     sources(dir).is_ok()
 }
@@ -81,7 +81,7 @@ fn in_folder(dir: &Path) -> Vec<Source> {
 }
 
 impl Source {
-    /// Returns the date of the results: when the file that reveals them was written, s since 1970.
+    /// Returns the modification time of the identifying file, s since 1970-01-01 UTC.
     pub fn written(&self) -> Option<u64> {
         let (Source::Bench(dir) | Source::Sizes(dir) | Source::Run(dir) | Source::Data(dir) | Source::Training(dir)) =
             self;

@@ -1,4 +1,4 @@
-//! Section of a training: the loss of every epoch so far, and the model once it is finished.
+//! Section of a training: loss curves so far, and the model once finished.
 
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Adds the training in `dir`.
 ///
 /// # Errors
-/// Fails if the loss curve cannot be read.
+/// Fails if the loss curves cannot be read.
 pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
     let epochs = curves::read(dir)?;
     let best = epochs.iter().enumerate().min_by(|a, b| a.1.validation.total_cmp(&b.1.validation));

@@ -1,4 +1,4 @@
-//! Section of a data set that is not finished: how far it is, and the grasps that have ended.
+//! Section of an unfinished data set: progress, and grasps that have ended.
 
 use super::evaluation::truth;
 use super::page::{Page, PageBlock, Section};
@@ -11,7 +11,7 @@ use crate::record::Status;
 use crate::table::Table;
 use std::path::Path;
 
-/// Adds the unfinished data set in `dir`. Rows that cannot be read yet are left out.
+/// Adds the unfinished data set in `dir`. Grasps that cannot be read yet are skipped.
 pub fn unfinished(dir: &Path, manifest: &Manifest, wishes: &Wishes, page: &mut Page) {
     let mut table = Table::new("Objects", &["object", "grasps", "ended", "reached"]);
     let (mut ended, mut shown) = (0, Vec::new());

@@ -1,4 +1,4 @@
-//! The tag `<fem>` of a link, by which Isaac Gym's dialect of URDF describes a soft body.
+//! Element `<fem>` of a link: soft body in the URDF dialect of Isaac Gym.
 
 use super::package;
 use super::tolerance::Deviation;
@@ -10,23 +10,24 @@ use std::path::{Path, PathBuf};
 /// Soft body of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FemTag {
-    /// Map from the axes of the mesh to those of the link, m.
+    /// Transform from mesh axes to link axes, m.
     pub pose: DAffine3,
-    /// Density, kg/m3; None where the file is silent.
+    /// Density, kg/m3; None if not given.
     pub density: Option<f64>,
     /// Young's modulus, Pa.
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Distance from the body that carries it within which nodes are bonded, m.
+    /// Distance from the supporting body within which nodes are bonded, m.
     pub attach: f64,
     /// Path of the mesh.
     pub mesh: PathBuf,
-    /// Factor from the unit of the mesh to metres.
+    /// Scale factor from mesh units to metres.
     pub scale: f64,
 }
 
-/// Reads the soft body of a link of the URDF at `path`, if it has one; its orientation is squared within `deviation`.
+/// Reads the soft body of a link of the URDF at `path`, if any; snaps its orientation to right angles within
+/// `deviation`.
 pub(super) fn read(path: &Path, link: &XmlElement, deviation: &mut Deviation) -> Result<Option<FemTag>, String> {
     let Some(fem) = link.child("fem") else { return Ok(None) };
     let number = |name: &str| fem.child(name).map_or(Ok(None), |child| child.number("value"));

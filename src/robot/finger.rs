@@ -1,32 +1,33 @@
-//! Fingers of a gripper: where their pads stand in the hand, how they slide, and what makes two of them a parallel gripper.
+//! Fingers of a gripper: poses of their pads in the hand, their sliding joints, and the conditions for a parallel
+//! gripper.
 
 use super::Mount;
 use super::tolerance::{ANGLE, Deviation, PLACE};
 use super::tree::{JointRange, LinkTree, Mobility};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Advice on hands that are no parallel gripper.
+/// Advice for hands that are not parallel grippers.
 const SPELL_OUT: &str =
     "such a hand is no parallel gripper; give opening, stroke and placement of the pads in place of robot";
 
-/// Centre of a sensing face in the axes of the hand.
+/// Finger: centre of its sensing face and its sliding joint, in hand axes.
 pub(super) struct Finger {
-    /// Position with the joint at zero, m.
+    /// Centre of the sensing face with the joint at zero, m.
     position: DVec3,
-    /// Rotation from the axes of its link to those of the hand.
+    /// Rotation from link axes to hand axes.
     pub rotation: DMat3,
-    /// Unit vector in which its joint slides.
+    /// Unit sliding direction of its joint.
     direction: DVec3,
     drive: JointRange,
 }
 
 impl Finger {
-    /// Follows the links from `pad` up to `base`; the centre of the face is at `face` in the axes of `pad`, m. The message of an error is about
-    /// the pad.
+    /// Composes the transforms from link `pad` up to `base`; `face` is the centre of the sensing face in the axes of
+    /// `pad`, m. Error messages refer to the pad.
     pub fn of(tree: &LinkTree, base: usize, (pad, face): (usize, DVec3)) -> Result<Self, String> {
         let hand = &tree.links[base].name;
         let (mut at, mut pose, mut slides) = (pad, DAffine3::from_translation(face), None);
-        // A description whose links carry each other in a circle ends, too.
+        // The bound terminates the loop if the links form a cycle.
         for _ in 0..=tree.links.len() {
             if at == base {
                 let (direction, joint) = slides.ok_or_else(|| format!("does not slide on {hand:?}; {SPELL_OUT}"))?;
@@ -52,31 +53,31 @@ impl Finger {
         Err(format!("is not carried by {hand:?}"))
     }
 
-    /// Returns its position in the middle of its range, m.
+    /// Returns the centre of the sensing face with the joint in the middle of its range, m.
     fn amid(&self) -> DVec3 {
         let [a, b] = self.drive.range;
         self.position + self.direction * (0.5 * (a + b))
     }
 
-    /// Returns the range of its joint as ways along `closing`, m, ascending, in whole picometres: what is less stems from rotations, and would
-    /// hide that two descriptions are the same.
+    /// Returns the range of the face position along `closing`, m, ascending, rounded to picometres: smaller differences
+    /// are rounding errors of rotations, which would make equal descriptions differ.
     fn along(&self, closing: DVec3) -> [f64; 2] {
         let [a, b] = self.drive.range.map(|way| whole((self.position + self.direction * way).dot(closing)));
         [a.min(b), a.max(b)]
     }
 
-    /// Returns the way along `closing` for one of what drives it.
+    /// Returns the displacement along `closing` per unit of the driving joint.
     fn gear(&self, closing: DVec3) -> f64 {
         self.drive.gear * self.direction.dot(closing)
     }
 }
 
-/// Rounds a length to whole picometres, m.
+/// Rounds a length in m to a whole number of picometres.
 fn whole(length: f64) -> f64 {
     (length * 1e12).round() / 1e12
 }
 
-/// Returns the direction in which the left one of two fingers closes, hand frame, squared within `deviation`.
+/// Returns the closing direction of the left finger, hand frame, snapped to the hand axes within `deviation`.
 ///
 /// # Errors
 /// Fails if the fingers do not slide parallel to each other and perpendicular to the approach.
@@ -89,7 +90,7 @@ pub(super) fn closing(
         let [a, b] = [left.direction, right.direction];
         return Err(format!("the fingers slide along {a} and {b}; they must be parallel within {ANGLE} rad"));
     }
-    // With the joints at zero the pads may stand behind each other.
+    // The pads are compared at mid-range, because with the joints at zero they may have passed each other.
     let apart = right.amid() - left.amid();
     let along = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
     let closing = deviation.squared(along);
@@ -102,8 +103,8 @@ pub(super) fn closing(
     Ok(closing)
 }
 
-/// Returns the pads of two fingers, the left one first, and what there is to say about fingers that one joint drives by unequal ways; what is
-/// not quite a parallel gripper adds to `deviation`.
+/// Returns the mount of two fingers, left first, and a notice if one joint drives them by unequal travels. Residuals
+/// from an exact parallel gripper are added to `deviation`.
 pub(super) fn gripper(
     fingers: &[Finger; 2],
     approach: DVec3,
@@ -118,7 +119,7 @@ pub(super) fn gripper(
     let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
     let unequal = whole(stroke - others).abs() > PLACE;
     let opening = whole(other[1] - own[0]);
-    // Middle between the faces in the hand, with the fingers open and closed.
+    // Midpoint between the faces along the closing direction, with the fingers open and closed.
     let [open, closed] = [own[0] + other[1], own[1] + other[0]].map(|sum| whole(0.5 * sum));
     let across = approach.cross(closing);
     let of = |axis: DVec3| [left.position.dot(axis), right.position.dot(axis)].map(whole);
@@ -129,7 +130,7 @@ pub(super) fn gripper(
              joint: {SPELL_OUT}"
         ));
     }
-    // The middle of fingers that close by unequal ways moves; somewhere it is that of the hand.
+    // With unequal travels the midpoint moves; if its range contains the middle of the hand, it is not offset.
     let aside = if unequal && open * closed < 0.0 {
         0.0
     } else if unequal && closed.abs() < open.abs() {

@@ -1,4 +1,4 @@
-//! Parallel grippers of robots: where the pads of a description in URDF or MJCF stand, and how far its fingers slide.
+//! Parallel grippers from robot descriptions (URDF or MJCF): poses of the pads and travel of the fingers.
 
 mod fem;
 mod finger;
@@ -19,7 +19,7 @@ use tolerance::Deviation;
 use tree::LinkTree;
 use xml::{XmlElement, XmlReader};
 
-/// Pads of a parallel gripper.
+/// Pad positions and travel of a parallel gripper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// Largest distance between the two sensing faces, m.
@@ -32,25 +32,26 @@ pub struct Mount {
     pub z: f64,
 }
 
-/// What a description says of a gripper.
+/// Gripper read from a description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mounted {
-    /// Place of the pads.
+    /// Pad positions and travel.
     pub mount: Mount,
     /// Soft pads, left first; None if the description has none.
     pub soft: Option<[SoftPad; 2]>,
-    /// Sentence about what is not quite a parallel gripper, and was taken for one: angles and places, fingers that close by unequal ways.
+    /// Notice about accepted residuals from an exact parallel gripper: angles, positions, unequal travels.
     pub notice: Option<String>,
 }
 
-/// Reads the description at `path`, URDF or MJCF, and finds the pads whose sensing faces are centred at the links `pads`, left first, on the
-/// hand whose base is the link `hand`; `approach` is the direction of the approach, an axis of it.
+/// Reads the URDF or MJCF description at `path` and locates the pads on the hand whose base is the link `hand`: their
+/// sensing faces are centred at the links `pads`, left first. `approach` is the approach direction, an axis of the
+/// base.
 ///
-/// Links of a URDF that have a `<fem>` are soft pads: then the sensing faces are where their meshes say, and the pads are returned, too.
+/// URDF links with a `<fem>` are soft pads: their meshes define the sensing faces, and the pads are returned as well.
 ///
 /// # Errors
-/// Fails if the file cannot be read, lacks a link, its fingers are no parallel gripper, or a soft pad cannot be read or bonded; the message
-/// names the file, and the line where there is one.
+/// Fails if the file cannot be read, if a link is missing, if the fingers do not form a parallel gripper, or if a soft
+/// pad cannot be read or bonded; the message states the file, and the line if known.
 pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Result<Mounted, String> {
     XmlReader::default().file(path, None, |root, reader| match root.tag.as_str() {
         "robot" => {
@@ -65,11 +66,11 @@ pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Resul
     })
 }
 
-/// Links of a description.
+/// Links of a robot description.
 struct Description<'a> {
     path: &'a Path,
     tree: &'a LinkTree,
-    /// Elements of the links; empty for MJCF, whose soft bodies are not read.
+    /// XML elements of the links; empty for MJCF, whose soft bodies are not read.
     elements: &'a [&'a XmlElement],
 }
 

@@ -1,14 +1,14 @@
-//! Places of the files that a description names: next to it, in a package of ROS, or anywhere.
+//! Resolution of file names in descriptions: relative, absolute, or in a ROS package.
 
 use super::xml::XmlElement;
 use std::path::{Path, PathBuf};
 
-/// Returns the path of the file that the attribute `filename` of an element of the description at `path` names. `package://NAME/` is the
-/// package of this name that holds the description or lies beside one of its folders, or one in `ROS_PACKAGE_PATH`; if there is none, the
-/// folder of the description.
+/// Returns the path of the file given by the attribute `filename` of an element of the description at `path`.
+/// `package://NAME/` is searched in packages NAME that contain the description or are a subfolder of one of its
+/// ancestors, then in `ROS_PACKAGE_PATH`, then in the folder of the description.
 ///
 /// # Errors
-/// Fails if the element names no file, or one of a package is in none of these places.
+/// Fails if the attribute is missing, or if a file of a package is not found.
 pub(super) fn file(path: &Path, element: &XmlElement) -> Result<PathBuf, String> {
     let name = element.needed("filename")?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -32,14 +32,15 @@ pub(super) fn file(path: &Path, element: &XmlElement) -> Result<PathBuf, String>
     })
 }
 
-/// Returns the folders from `folder` upwards, and beside these, that may be the package of this name.
+/// Returns the candidate folders of package `name`: ancestors of `folder` that are this package, and subfolders `name`
+/// of ancestors.
 fn packages(folder: &Path, name: &str) -> Vec<PathBuf> {
     let above = folder.ancestors().filter(|root| is(root, name)).map(Path::to_path_buf);
     let beside = folder.ancestors().map(|root| root.join(name)).filter(|root| root.is_dir());
     above.chain(beside).collect()
 }
 
-/// Returns true if `root` is called as a package, or its package.xml says that it is it.
+/// Returns true if the folder name of `root` is `package`, or its package.xml has this name.
 fn is(root: &Path, package: &str) -> bool {
     let named = || {
         let text = crate::files::regular::read(&root.join("package.xml"), crate::files::include::SIZE_LIMIT).ok()?;

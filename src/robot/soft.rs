@@ -1,4 +1,4 @@
-//! Soft pads of a URDF on the links that carry them: how their meshes lie, and which of their nodes are bonded.
+//! Soft pads of a URDF: orientation of their meshes, and bonded nodes.
 
 use super::fem::FemTag;
 use super::package;
@@ -13,30 +13,30 @@ use crate::geometry::shape::{DEFAULT_SEGMENTS, ShapeKind, SurfaceDistance};
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::{Path, PathBuf};
 
-/// Soft pad from a mesh.
+/// Soft pad defined by a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoftPad {
     /// Path of the tetrahedral mesh.
     pub mesh: PathBuf,
-    /// Factor from the unit of the mesh to metres.
+    /// Scale factor from mesh units to metres.
     pub scale: f64,
-    /// Direction out of the gel, unit, in the axes of the mesh.
+    /// Outward normal of the sensing face, unit, in mesh axes.
     pub outward: DVec3,
-    /// Direction of the approach, unit, in the axes of the mesh.
+    /// Approach direction, unit, in mesh axes.
     pub across: DVec3,
-    /// Indices of the nodes that are bonded to the finger.
+    /// Indices of the nodes bonded to the finger.
     pub bonded: Vec<usize>,
     /// Young's modulus, Pa.
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
-    /// Density, kg/m3; None where the file is silent.
+    /// Density, kg/m3; None if not given.
     pub density: Option<f64>,
 }
 
-/// Places the soft body `tag` of the link `pad` of the URDF at `path`, whose links are `tree` with these `elements`; `closing` and `approach`
-/// are unit vectors in the axes of the link, which are squared in those of the mesh within `deviation`. Returns the pad, and the centre of its
-/// sensing face in the axes of the link, m.
+/// Places the soft body `tag` of the link `pad` of the URDF at `path`, whose links are `tree` with these `elements`.
+/// `closing` and `approach` are unit vectors in link axes; they are snapped to the mesh axes within `deviation`.
+/// Returns the pad, and the centre of its sensing face in link axes, m.
 pub(super) fn place(
     path: &Path,
     (tree, elements): (&LinkTree, &[&XmlElement]),
@@ -61,7 +61,7 @@ pub(super) fn place(
     };
     let placement = PadPlacement { outward, across: Some(across), bonding: Bonding::Nodes(bonded.clone()) };
     let (placed, _) = read_pad(mesh, &placement, None).map_err(about)?;
-    // Nodes keep their order, so that the first one says where the pad's origin lies in the axes of the mesh.
+    // Both readers keep the node order, so the first node yields the position of the pad origin in mesh axes.
     let (first, _) = read_tet_mesh(mesh).map_err(|e| plain(&e))?;
     let axes = DMat3::from_cols(across, outward.cross(across), outward);
     let center = first.nodes[0] - axes * placed.mesh.nodes[0];
@@ -69,7 +69,8 @@ pub(super) fn place(
     Ok((SoftPad { mesh, scale, outward, across, bonded, young, poisson, density }, in_link(center)))
 }
 
-/// Returns the first link from `pad` upwards that has a shape, and the map from the axes of `pad` into its axes.
+/// Returns the first link from `pad` upwards, along fixed joints, that has a collision shape, and the transform from
+/// the axes of `pad` to its axes.
 fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usize, DAffine3), String> {
     let (mut at, mut pose) = (pad, DAffine3::IDENTITY);
     for _ in 0..=tree.links.len() {
@@ -83,7 +84,7 @@ fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usi
     Err(elements[pad].error("is fixed to no link with a <collision> that its <fem> could be bonded to"))
 }
 
-/// Returns the surface of a link of the URDF at `path`, in its axes, m.
+/// Returns the collision surface of a link of the URDF at `path`, in link axes, m.
 fn surface(path: &Path, link: &XmlElement) -> Result<TriMesh, String> {
     let mut whole = TriMesh::default();
     for collision in link.each("collision") {
@@ -98,7 +99,7 @@ fn surface(path: &Path, link: &XmlElement) -> Result<TriMesh, String> {
     Ok(whole)
 }
 
-/// Returns the surface of one geometry, m.
+/// Returns the surface of one collision geometry, m.
 fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     let length = |name: &str| of.number(name)?.ok_or_else(|| of.error(format_args!("has no {name}=\"...\"")));
     let kind = match of.tag.as_str() {
@@ -119,7 +120,7 @@ fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     Ok((*shape.surface).clone())
 }
 
-/// Returns the surface of a file, m.
+/// Returns the surface of a mesh file, scaled, m.
 fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     let scale = of.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
     if scale.abs().min_element() == 0.0 {
@@ -129,7 +130,7 @@ fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     }
     let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| plain(&e))?;
     mesh.vertices.iter_mut().for_each(|x| *x *= scale);
-    // A mirror image is inside out.
+    // A reflection reverses the orientation of the triangles.
     if scale.to_array().iter().filter(|factor| **factor < 0.0).count() % 2 == 1 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     }

@@ -1,69 +1,69 @@
-//! Tree of the links of a robot, the joints that they hang on, and which joints follow others.
+//! Link tree of a robot with its joints and joint couplings.
 
 use glam::{DAffine3, DVec3};
 
-/// Largest number of names that a message lists.
+/// Maximum number of names listed in a message.
 const LISTED: usize = 20;
 
-/// Largest number of links: models that are attached to models multiply.
+/// Maximum number of links; bounds the growth through nested attachments of models.
 pub(super) const LINKS: usize = 1 << 20;
 
-/// Coordinate system of a link, of a body or of a site.
+/// Coordinate frame of a link, body or site.
 #[derive(Debug, Clone)]
 pub(super) struct Link {
     pub name: String,
-    /// Flag: a site of MJCF, which may have the name of a body.
+    /// Flag: MJCF site, which may have the same name as a body.
     pub site: bool,
-    /// Number of the link that carries it; None for a root.
+    /// Index of the parent link; None for a root.
     pub parent: Option<usize>,
-    /// Map from its axes to those of its parent, m, with its joint at zero.
+    /// Transform from its axes to those of its parent with the joint at zero, m.
     pub pose: DAffine3,
     pub mobility: Mobility,
 }
 
-/// Mobility of a link on its parent.
+/// Mobility of a link relative to its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Mobility {
     Fixed,
-    /// Translation along a unit vector of the link, by the position of the joint of this number, m.
+    /// Translation along a unit vector in link axes by the position of this joint (index), m.
     Slides {
         axis: DVec3,
         joint: usize,
     },
-    /// Any other way, in words, with the place of its joint.
+    /// Other mobility; a message with the file position of the joint.
     Other(String),
 }
 
-/// Joint with one position, m or rad.
+/// Joint with one degree of freedom, m or rad.
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
     pub name: String,
-    /// Lowest and highest position, or the reason why it has none, with its place.
+    /// Lower and upper limit, or a message with the reason why there are none.
     pub range: Result<[f64; 2], String>,
     pub mimic: Option<Mimic>,
 }
 
-/// Rule by which the position of a joint follows that of another one: `gear * leader + offset`.
+/// Linear coupling of a joint to another one: position = `gear * leader + offset`.
 #[derive(Debug, Clone)]
 pub(super) struct Mimic {
-    /// Number of the joint that it follows.
+    /// Index of the leading joint.
     pub leader: usize,
     pub gear: f64,
     pub offset: f64,
 }
 
-/// Range of a joint, and what moves it.
+/// Range of a joint and its driving joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct JointRange {
-    /// Lowest and highest position.
+    /// Lower and upper limit of the position.
     pub range: [f64; 2],
-    /// Number of the joint that it follows, its own if it follows none.
+    /// Index of the driving joint; its own if it is not coupled.
     pub leader: usize,
-    /// Ratio of its speed to that of the leader.
+    /// Ratio of its velocity to that of the driving joint.
     pub gear: f64,
 }
 
-/// Links of a robot, with their joints.
+/// Links and joints of a robot.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LinkTree {
     pub links: Vec<Link>,
@@ -71,10 +71,11 @@ pub(super) struct LinkTree {
 }
 
 impl LinkTree {
-    /// Returns the number of the link of this name; `site:NAME` and `body:NAME` ask for one of two that share it.
+    /// Returns the index of the link of this name; the prefixes `site:` and `body:` distinguish a site and a body of
+    /// the same name.
     ///
     /// # Errors
-    /// Fails if there is none, or more than one.
+    /// Fails if there is no such link, or more than one.
     pub fn find(&self, name: &str) -> Result<usize, String> {
         let of = |name: &str, kind: Option<bool>| -> Vec<usize> {
             let fits = |link: &Link| link.name == name && kind.is_none_or(|site| link.site == site);
@@ -105,10 +106,11 @@ impl LinkTree {
         names.join(", ")
     }
 
-    /// Returns the range of a joint: its own, or what follows from that of the joint that it follows, whatever its own limits.
+    /// Returns the range of a joint: its own, or for a coupled joint the range implied by its leader, regardless of its
+    /// own limits.
     ///
     /// # Errors
-    /// Fails if the leader has no limits, or joints follow each other in a circle.
+    /// Fails if the driving joint has no limits, or if couplings form a cycle.
     pub fn drive(&self, joint: usize) -> Result<JointRange, String> {
         let (mut leader, mut gear, mut offset) = (joint, 1.0, 0.0);
         for _ in 0..=self.joints.len() {

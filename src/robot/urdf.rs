@@ -1,11 +1,11 @@
-//! Links of a robot in URDF, and the joints that they hang on.
+//! Links and joints of a URDF.
 
 use super::tree::{Joint, Link, LinkTree, Mimic, Mobility};
 use super::xml::XmlElement;
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::collections::HashMap;
 
-/// Reads the links of a `<robot>`; returns them with the elements that describe them.
+/// Reads the links of a `<robot>`; returns the tree and the XML elements of the links.
 pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), String> {
     expanded(robot)?;
     let mut tree = LinkTree::default();
@@ -38,7 +38,7 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
     Ok((tree, elements))
 }
 
-/// Refuses what a macro processor should have replaced.
+/// Rejects unexpanded xacro macros.
 fn expanded(element: &XmlElement) -> Result<(), String> {
     if element.tag.starts_with("xacro:") {
         return Err(element.error("is a macro; expand the file first: xacro FILE > robot.urdf"));
@@ -46,7 +46,7 @@ fn expanded(element: &XmlElement) -> Result<(), String> {
     element.children.iter().try_for_each(expanded)
 }
 
-/// Returns the numbers of elements by their names, each of which may stand for one.
+/// Returns the indices of elements by name; fails if a name is not unique.
 fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, String> {
     let mut numbers = HashMap::new();
     for (number, element) in elements.iter().enumerate() {
@@ -57,7 +57,7 @@ fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, S
     Ok(numbers)
 }
 
-/// Returns the map from the axes of an element to those of what it stands in, m, as its `<origin>` says.
+/// Returns the transform given by the `<origin>` of an element, from its axes to those of its parent, m.
 pub(super) fn origin(of: &XmlElement) -> Result<DAffine3, String> {
     let Some(origin) = of.child("origin") else { return Ok(DAffine3::IDENTITY) };
     let [xyz, rpy] = [origin.numbers("xyz")?, origin.numbers("rpy")?].map(Option::unwrap_or_default);
@@ -88,7 +88,7 @@ fn follows(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, 
     Ok(Mimic { leader, gear, offset })
 }
 
-/// Returns the lowest and the highest position of a joint; what it can bear and how fast it is does not matter.
+/// Returns the lower and the upper limit of a joint; effort and velocity limits are ignored.
 fn range(joint: &XmlElement) -> Result<[f64; 2], String> {
     const WRITE: &str = "write how far the finger slides, in m, as in <limit lower=\"0\" upper=\"0.04\"/>";
     let limit = joint.child("limit").ok_or_else(|| joint.error(format_args!("has no <limit>; {WRITE}")))?;

@@ -1,4 +1,4 @@
-//! Elements of XML files, each with its place, and the numbers in their attributes.
+//! XML elements with their file positions, and numbers in their attributes.
 
 use super::tolerance::ANGLE;
 use crate::files::include::{SIZE_LIMIT, may_include};
@@ -10,15 +10,15 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Largest number of elements that stand in each other: trees of this depth are walked by functions that call themselves.
+/// Maximum nesting depth of elements, because trees are traversed recursively.
 pub(super) const DEPTH: usize = 256;
 
-/// Text of a file.
+/// Text of an XML file.
 #[derive(Debug)]
 struct XmlText {
     path: PathBuf,
     text: String,
-    /// Offsets of the first bytes of its lines.
+    /// Byte offsets of the line starts.
     lines: Vec<usize>,
 }
 
@@ -28,7 +28,7 @@ impl XmlText {
         Self { path: path.to_path_buf(), text, lines }
     }
 
-    /// Returns a message about the byte at this offset; its column counts bytes.
+    /// Returns a message with file, line and column of the byte offset `at`; the column counts bytes.
     fn error(&self, at: usize, message: impl Display) -> String {
         let line = self.lines.partition_point(|start| *start <= at);
         format!("{}:{line}:{}: {message}", self.path.display(), at - self.lines[line - 1] + 1)
@@ -39,18 +39,18 @@ impl XmlText {
 struct Attribute {
     name: String,
     value: String,
-    /// Offset of its first byte in the text of its file.
+    /// Byte offset in the text of its file.
     at: usize,
 }
 
-/// Element with its attributes and the elements in it.
+/// Element with its attributes and children.
 #[derive(Debug, Clone)]
 pub(super) struct XmlElement {
     pub tag: String,
     pub children: Vec<XmlElement>,
     attributes: Vec<Attribute>,
     text: Rc<XmlText>,
-    /// Offset of its first byte in the text.
+    /// Byte offset in the text.
     at: usize,
 }
 
@@ -71,13 +71,13 @@ impl XmlElement {
         Ok(Self { tag, children: Vec::new(), attributes, text: Rc::clone(text), at })
     }
 
-    /// Returns a message about the element, with its place.
+    /// Returns a message about the element with its file position.
     pub fn error(&self, message: impl Display) -> String {
         let name = self.text("name").map_or(String::new(), |name| format!(" name={name:?}"));
         self.text.error(self.at, format!("<{}{name}> {message}", self.tag))
     }
 
-    /// Returns the folder of its file.
+    /// Returns the folder of the file that contains the element.
     pub fn folder(&self) -> &Path {
         self.text.path.parent().unwrap_or(Path::new(""))
     }
@@ -86,33 +86,33 @@ impl XmlElement {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }
 
-    /// Returns the text of an attribute; None if it has none of this name.
+    /// Returns the text of an attribute; None if it is missing.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.attribute(name).map(|attribute| attribute.value.as_str())
     }
 
-    /// Returns the text of an attribute.
+    /// Returns the text of a required attribute.
     ///
     /// # Errors
-    /// Fails if it has none of this name.
+    /// Fails if it is missing.
     pub fn needed(&self, name: &str) -> Result<&str, String> {
         self.text(name).ok_or_else(|| self.error(format_args!("has no {name}=\"...\"")))
     }
 
-    /// Returns the first child of this tag.
+    /// Returns the first child with this tag.
     pub fn child(&self, tag: &str) -> Option<&XmlElement> {
         self.each(tag).next()
     }
 
-    /// Iterates over the children of this tag.
+    /// Iterates over the children with this tag.
     pub fn each(&self, tag: &str) -> impl Iterator<Item = &XmlElement> {
         self.children.iter().filter(move |child| child.tag == tag)
     }
 
-    /// Returns the finite numbers of an attribute; None if it has none of this name.
+    /// Returns the numbers of an attribute; None if it is missing.
     ///
     /// # Errors
-    /// Fails if a word of it is no such number.
+    /// Fails if a word is not a finite number.
     pub fn list(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         let Some(attribute) = self.attribute(name) else { return Ok(None) };
         let number = |word: &str| {
@@ -122,10 +122,10 @@ impl XmlElement {
         attribute.value.split_whitespace().map(number).collect::<Result<_, _>>().map(Some)
     }
 
-    /// Returns this many finite numbers of an attribute; None if it has none of this name.
+    /// Returns the `N` numbers of an attribute; None if it is missing.
     ///
     /// # Errors
-    /// Fails if they are fewer or more, or no such numbers.
+    /// Fails if there are fewer or more, or if they are not finite numbers.
     pub fn numbers<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>, String> {
         let (Some(list), Some(attribute)) = (self.list(name)?, self.attribute(name)) else { return Ok(None) };
         let count = list.len();
@@ -133,18 +133,18 @@ impl XmlElement {
         list.try_into().map(Some).map_err(wrong)
     }
 
-    /// Returns the finite number of an attribute; None if it has none of this name.
+    /// Returns the number of an attribute; None if it is missing.
     ///
     /// # Errors
-    /// Fails if it is no such number.
+    /// Fails if it is not one finite number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, String> {
         Ok(self.numbers::<1>(name)?.map(|[v]| v))
     }
 
-    /// Says whether angles of an attribute, rad, are such: more than a turn is taken for degrees.
+    /// Checks that angles of an attribute are in radians: larger ones than a full turn are assumed to be in degrees.
     ///
     /// # Errors
-    /// Fails if one is more than a turn.
+    /// Fails if an angle exceeds a full turn.
     pub fn radians(&self, name: &str, angles: &[f64]) -> Result<(), String> {
         match (angles.iter().find(|angle| angle.abs() > TAU + ANGLE), self.attribute(name)) {
             (Some(angle), Some(attribute)) => {
@@ -161,7 +161,8 @@ impl XmlElement {
         self.text.error(attribute.at, format_args!("<{tag} {name}={value:?}>: {message}"))
     }
 
-    /// Returns the element, without its children, with those attributes of `base` that it lacks and for which `may` is true.
+    /// Returns the element without its children, plus those attributes of `base` that it lacks and for which `may` is
+    /// true.
     pub fn over(&self, base: &XmlElement, may: impl Fn(&str) -> bool) -> XmlElement {
         let lacks = |attribute: &&Attribute| self.text(&attribute.name).is_none() && may(&attribute.name);
         let inherited = base.attributes.iter().filter(lacks);
@@ -173,7 +174,7 @@ impl XmlElement {
     }
 }
 
-/// Reader of a file and of those that it includes, within bounds.
+/// Reader of a file and its includes, with limits on their number and total size.
 #[derive(Default)]
 pub(super) struct XmlReader {
     /// Canonical paths of the files being read, outermost first.
@@ -183,10 +184,12 @@ pub(super) struct XmlReader {
 }
 
 impl XmlReader {
-    /// Reads the file at `path` with `inside`, which may read the files that it names; `by` is the element that names it.
+    /// Parses the file at `path` and calls `inside`, which may read further files; `by` is the element that refers to
+    /// the file.
     ///
     /// # Errors
-    /// Fails if there is no regular file, it is too large, no XML, too deep, or included in a circle, and if `inside` fails.
+    /// Fails if the file is missing, not regular, too large, not XML, too deeply nested or included recursively, and if
+    /// `inside` fails.
     pub fn file<T>(
         &mut self,
         path: &Path,
@@ -211,13 +214,13 @@ impl XmlReader {
     }
 }
 
-/// Returns the message of an error without its first word.
+/// Returns the message of an error without the prefix `error: `.
 pub(super) fn plain(error: &crate::error::Error) -> String {
     let message = error.to_string();
     message.strip_prefix("error: ").map(str::to_string).unwrap_or(message)
 }
 
-/// Returns the outermost element of a text.
+/// Parses a text; returns its root element.
 fn parse(text: XmlText) -> Result<XmlElement, String> {
     let text = Rc::new(text);
     let mut reader = Reader::from_str(&text.text);

@@ -1,4 +1,4 @@
-//! Content of the page: the state of a folder, and its report.
+//! Content of the served page: state and report of a folder.
 
 use crate::report::{Page, PageBlock, Section, Wishes, holds_results, report};
 use std::fs::Metadata;
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::UNIX_EPOCH;
 
-/// Depth to which a folder is looked through: records of a data set lie so deep.
+/// Maximum depth of subfolders that are scanned, that of the records of a data set.
 const DEPTH: usize = 3;
-/// Folder of the frames for ParaView, which the page does not show.
+/// Folder of frames for ParaView, which the page does not show.
 const FRAMES: &str = "frames";
 
 /// Page of a folder.
@@ -16,26 +16,26 @@ const FRAMES: &str = "frames";
 pub struct Content {
     dir: PathBuf,
     wishes: Wishes,
-    /// State, and the page made of it.
+    /// State, and the page generated for it.
     made: Mutex<(String, String)>,
 }
 
 impl Content {
-    /// Returns the content of a folder, which need not be there yet.
+    /// Creates the content of a folder, which need not exist yet.
     pub fn new(dir: PathBuf, wishes: Wishes) -> Self {
         Self { dir, wishes, made: Mutex::default() }
     }
 
-    /// Returns the state of the folder, hexadecimal: another one wherever a file is.
+    /// Returns a hash (hexadecimal) of the names, sizes and modification times of all files of the folder.
     pub fn state(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         look(&self.dir, DEPTH, &mut hasher);
         hasher.finalize().to_hex()[..16].into()
     }
 
-    /// Returns the page, made once for each state.
+    /// Returns the page, which is generated once per state.
     pub fn page(&self) -> String {
-        // Before the files are read: what is written meanwhile makes another state.
+        // Computed before the files are read, so that a concurrent write results in another state.
         let state = self.state();
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if made.0 != state {
@@ -55,15 +55,15 @@ impl Content {
         let title = self.dir.file_name().unwrap_or(self.dir.as_os_str()).to_string_lossy();
         let section = Section::new(title, "", vec![PageBlock::Note(note)]);
         let page = Page { sections: vec![section], ..Page::default() };
-        // A page without grasps cannot fail.
+        // Generating a page without recordings cannot fail.
         page.live(state).unwrap_or_default()
     }
 }
 
-/// Takes in name, size and date of all files in a folder, sorted by name.
+/// Hashes name, size and modification time of all files in a folder, sorted by name.
 fn look(dir: &Path, depth: usize, hasher: &mut blake3::Hasher) {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-    // Gone since it was listed, or hidden by the system: then there is nothing to show of it.
+    // Entries without readable metadata (e.g. just removed) are skipped.
     let mut found: Vec<_> = entries.filter_map(|entry| Some((entry.file_name(), entry.metadata().ok()?))).collect();
     found.sort_by(|a, b| a.0.cmp(&b.0));
     for (name, meta) in found {
@@ -76,7 +76,7 @@ fn look(dir: &Path, depth: usize, hasher: &mut blake3::Hasher) {
     }
 }
 
-/// Returns the date of the last change, ns since 1970.
+/// Returns the modification time, ns since 1970-01-01 UTC.
 fn date(meta: &Metadata) -> u128 {
     let since = meta.modified().ok().and_then(|date| date.duration_since(UNIX_EPOCH).ok());
     since.map_or(0, |since| since.as_nanos())

@@ -1,7 +1,7 @@
-//! Page of results on this machine: the report of a folder, made anew whenever the folder changes.
+//! Local page of results: the report of a folder, regenerated whenever the folder changes.
 //!
 //! ```text
-//! browser -> server.rs: GET of this machine alone -> content.rs: state of the folder, page of crate::report
+//! browser -> server.rs: GET from this machine only -> content.rs: state of the folder, page of crate::report
 //! ```
 
 mod content;
@@ -15,17 +15,18 @@ use server::{Reply, Server};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Viewer of a folder. The page ends when this is dropped.
+/// Viewer of a folder; the server stops when it is dropped.
 #[derive(Debug)]
 pub struct Viewer {
     server: Server,
 }
 
 impl Viewer {
-    /// Serves the results in `dir`, which need not be there yet, on the loopback address and `port`; 0 takes any that is free.
+    /// Serves the results in `dir`, which need not exist yet, on the loopback address and `port`; 0 selects a free
+    /// port.
     ///
     /// # Errors
-    /// Fails if the port is taken, or no thread can be started.
+    /// Fails if the port is in use, or if no thread can be started.
     pub fn start(dir: PathBuf, wishes: Wishes, port: u16) -> Result<Self> {
         let content = Content::new(dir, wishes);
         let answer = move |path: &str| match path {
@@ -44,7 +45,7 @@ impl Viewer {
         format!("http://{}/", self.server.address())
     }
 
-    /// Waits until an end is requested.
+    /// Waits for an interruption.
     pub fn wait(&self) {
         while !interrupt::requested() {
             std::thread::sleep(Duration::from_millis(50));

@@ -1,4 +1,4 @@
-//! Server of a page for this machine alone: it listens on the loopback address, answers GET, and refuses foreign hosts.
+//! HTTP server for this machine only: it listens on the loopback address, answers GET, and rejects foreign hosts.
 
 use crate::error::{Error, Result};
 use std::fmt;
@@ -9,18 +9,18 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Largest head of a request, bytes.
+/// Maximum size of a request head, bytes.
 const MOST: usize = 16 * 1024;
-/// Largest number of requests that are answered at once.
+/// Maximum number of concurrent requests.
 const AT_ONCE: usize = 32;
-/// Time in which a request has to arrive, from its first byte to its last: a client that sends it byte by byte holds no place for longer.
+/// Timeout for the whole request, so that a slow client does not occupy a thread for longer.
 const REQUEST: Duration = Duration::from_secs(5);
-/// Time in which an answer has to be taken: a page of some megabytes through a slow tunnel.
+/// Timeout for the whole answer, long enough for a page of some megabytes through a slow tunnel.
 const ANSWER: Duration = Duration::from_secs(60);
-/// Time in which a connection to this server is made.
+/// Timeout of a connection to this server.
 const CONNECT: Duration = Duration::from_secs(5);
 
-/// Reply to a request that is good.
+/// Reply to a valid request.
 #[derive(Debug)]
 pub struct Reply {
     /// Media type.
@@ -29,7 +29,7 @@ pub struct Reply {
     pub body: String,
 }
 
-/// Server; it ends when this is dropped.
+/// Server; it stops when dropped.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
@@ -38,10 +38,11 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens on 127.0.0.1 and `port`, 0 for any that is free; `answer` gives the content of a path, None where there is none.
+    /// Listens on 127.0.0.1 and `port`, 0 for a free port; `answer` returns the content of a path, None if there is
+    /// none.
     ///
     /// # Errors
-    /// Fails if the port is taken or no thread can be started.
+    /// Fails if the port is in use or no thread can be started.
     pub fn start(port: u16, answer: impl Fn(&str) -> Option<Reply> + Send + Sync + 'static) -> Result<Self> {
         let cannot = |e: std::io::Error| {
             Error::Argument(format!("cannot listen on 127.0.0.1:{port}: {e}; --port takes another, 0 any that is free"))
@@ -64,7 +65,7 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::SeqCst);
-        // Wakes the thread that waits for the next request.
+        // A connection wakes the thread that waits for requests.
         if TcpStream::connect_timeout(&self.address, CONNECT).is_ok()
             && let Some(thread) = self.thread.take()
         {
@@ -82,7 +83,7 @@ where
         if ended.load(Ordering::SeqCst) {
             return;
         }
-        // A client that has gone needs no answer, and one too many asks again.
+        // Closed connections and those beyond the limit are dropped; the page retries.
         let Ok(stream) = stream else { continue };
         if running.load(Ordering::SeqCst) >= AT_ONCE {
             continue;
@@ -121,19 +122,19 @@ fn serve(stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::
     stream.write_all(head.as_bytes())?;
     stream.write_all(body.as_bytes())?;
     stream.stream.shutdown(Shutdown::Write)?;
-    // What was sent and not read, as the body of a POST, would break off the answer on its way.
+    // Reads the rest of the request, e.g. the body of a POST: closing a socket with unread data would abort the answer.
     stream.end = Instant::now() + REQUEST;
     std::io::copy(&mut stream.take(MOST as u64), &mut std::io::sink()).map(|_| ())
 }
 
-/// Connection whose reads and writes all end before one time, whatever the number of bytes of each.
+/// Connection with one deadline for all reads and writes.
 struct Timed {
     stream: TcpStream,
     end: Instant,
 }
 
 impl Timed {
-    /// Returns the time that is left.
+    /// Returns the remaining time; an error after the deadline.
     fn left(&self) -> std::io::Result<Option<Duration>> {
         let left = self.end.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(std::io::ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }
@@ -158,7 +159,7 @@ impl Write for Timed {
     }
 }
 
-/// Reason why there is no answer.
+/// Reason for rejecting a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Refusal {
     BadRequest,
@@ -195,7 +196,7 @@ fn read(stream: &mut Timed) -> std::io::Result<std::result::Result<String, Refus
     }
 }
 
-/// Returns the path that a head asks for; None if it is not whole yet.
+/// Returns the path of a request head; None if the head is incomplete.
 fn path(head: &[u8]) -> Option<std::result::Result<String, Refusal>> {
     let mut headers = [httparse::EMPTY_HEADER; 64];
     let mut request = httparse::Request::new(&mut headers);
@@ -215,8 +216,8 @@ fn path(head: &[u8]) -> Option<std::result::Result<String, Refusal>> {
     })
 }
 
-/// Returns true for a name of this machine: a page from elsewhere whose name was made to lead here still sends its own. Any port is right,
-/// because that of a tunnel is another.
+/// Returns true if `host` is a name of this machine. This prevents DNS rebinding: a foreign page whose name resolves to
+/// this address sends its own name. Any port is accepted, because a tunnel has another port.
 fn is_here(host: &str) -> bool {
     let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
     matches!(name, "127.0.0.1" | "localhost")

@@ -1,4 +1,4 @@
-//! Reward term for a small force: the sum of the finger forces costs.
+//! Reward term that penalises the sum of the finger forces.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::EconomyReward;

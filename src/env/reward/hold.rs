@@ -1,4 +1,4 @@
-//! Reward term for keeping the object in the hand.
+//! Reward term for holding the object.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::HoldReward;

@@ -1,4 +1,4 @@
-//! Reward term against slip: the way of the object over the pads costs.
+//! Reward term that penalises slip of the object over the pads.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::SlipReward;

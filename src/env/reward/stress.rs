@@ -1,4 +1,4 @@
-//! Reward term to spare the gel: stress above a limit costs.
+//! Reward term that penalises stress of the gel above a limit.
 
 use super::{RewardTerm, StepInfo};
 use crate::scene::reward::StressReward;

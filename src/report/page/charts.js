@@ -1,4 +1,4 @@
-// Charts, drawn as SVG at the width they have.
+// Charts, drawn as SVG at the current width of their elements.
 const SVG = "http://www.w3.org/2000/svg";
 const LINES = ["one", "two", "three"];
 
@@ -12,7 +12,7 @@ function put(parent, name, attributes, text) {
 
 const short = (v) => (v === 0 ? "0" : Math.abs(v) >= 1e4 || Math.abs(v) < 1e-3 ? v.toExponential(1) : String(+v.toPrecision(3)));
 
-// Round numbers from 0 to at least `most`.
+// Round tick values from 0 to at least `most`.
 function ticks(most, wanted = 5) {
   if (!(most > 0)) return [0, 1];
   const power = 10 ** Math.floor(Math.log10(most / wanted));
@@ -28,12 +28,12 @@ function canvasOf(figure, height) {
   return [put(figure, "svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": figure.dataset.title || "" }), width];
 }
 
-// Bars: median; line to the 90th percentile; dot at the worst.
+// Bar chart: bar at the median, line to the 90th percentile, dot at the worst value.
 function drawBars(figure, names, quantity) {
   const [row, left, top] = [30, 130, 6];
   const height = top + row * names.length + 40;
   const [svg, width] = canvasOf(figure, height);
-  // One grasp far off must not flatten all others: what lies beyond the axis stands at its end, with its number.
+  // Outliers must not determine the scale: values beyond the axis are drawn at its end with their number.
   const [usual, extreme] = [1, 2].map((k) => Math.max(...numbers(quantity.series[k].values), 0));
   const marks = ticks(extreme > 4 * usual && usual > 0 ? 2 * usual : extreme, 6);
   const most = marks[marks.length - 1];
@@ -58,18 +58,18 @@ function drawBars(figure, names, quantity) {
   });
 }
 
-// Lines over an axis; `now` marks a place, `pick` hears of a place that is pointed at.
+// Line chart; `now` is the index of the marked abscissa, `pick` is called with the index under the pointer.
 function drawLines(figure, { label, at }, series, unit, now, pick) {
   const [height, left, bottom, right] = [240, 52, 40, 16];
   const [svg, width] = canvasOf(figure, height);
-  // Where values differ by more than a factor of 30, their axis is logarithmic.
+  // The axis of values is logarithmic if they differ by more than a factor of 30.
   const all = series.flatMap((s) => numbers(s.values)).filter((v) => v > 0);
   const [least, largest] = [Math.min(...all), Math.max(...all, 0)];
   const decades = largest > 30 * least;
   const bounds = decades ? [Math.floor(Math.log10(least)), Math.ceil(Math.log10(largest))] : [];
   const marks = decades ? [...Array(bounds[1] - bounds[0] + 1).keys()].map((k) => +(10 ** (bounds[0] + k)).toPrecision(6)) : ticks(largest);
   const part = (v) => decades ? (Math.log10(Math.max(v, 10 ** bounds[0])) - bounds[0]) / (bounds[1] - bounds[0]) : v / marks[marks.length - 1];
-  // Where all places are whole, as epochs are, there is nothing between them.
+  // Integer abscissae, e.g. epochs, have integer ticks only.
   const whole = at.every(Number.isInteger);
   const room = width < 420 ? 4 : 6;
   const stops = ticks(Math.max(...at), room).filter((v) => v <= Math.max(...at) * 1.001 && (!whole || Number.isInteger(v)));
@@ -99,7 +99,8 @@ function drawLines(figure, { label, at }, series, unit, now, pick) {
   }
 }
 
-// Calls `draw` now, and whenever the width of `element` is another; not within the observer, whose turn it would upset.
+// Calls `draw` now and whenever the width of `element` changes, outside of the observer callback to avoid a resize
+// loop.
 function atWidth(element, draw) {
   let width = element.clientWidth;
   draw();
@@ -132,7 +133,7 @@ function head(figure, title, names) {
   return line;
 }
 
-// A chart of the page with the choice of its quantity.
+// Chart of the page with a selection of its quantity.
 function chart(figure, { title, over, quantities }) {
   const line = head(figure, title, []);
   const choice = document.createElement("select");

@@ -1,8 +1,8 @@
-// Tries the picture by itself, with `#check` behind the address: what it finds is written on the body, as JSON.
+// Self-test of the viewer for addresses that end in `#check`; the result is stored on the body as JSON.
 function check() {
   const { viewer } = controls;
   const { gl, canvas } = viewer;
-  // A picture as the number of its pixels that are not empty, and a sum that another picture hardly has.
+  // Fingerprint of a picture: number of non-empty pixels and a checksum.
   const look = () => {
     controls.draw();
     const pixels = new Uint8Array(4 * canvas.width * canvas.height);

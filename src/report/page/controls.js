@@ -1,4 +1,4 @@
-// What a person can set, and the writing around the picture.
+// Controls of the viewer, and labels around the picture.
 const byId = (id) => document.getElementById(id);
 const chosen = (name) => document.querySelector(`input[name="${name}"]:checked`).value;
 const errors = [];
@@ -31,7 +31,7 @@ class Controls {
     byId("grasp").replaceChildren(...data.grasps.map((g, i) => new Option(g.about ? `${g.name} (${g.about})` : g.name, i)));
   }
 
-  // Takes over new data, and keeps what is shown: a grasp that is no more among them stays in the list while it is chosen.
+  // Replaces the data but keeps the current view: a selected grasp that is missing in the new data stays in the list.
   refresh() {
     const { grasp } = this;
     const frame = +byId("frame").value;
@@ -75,7 +75,7 @@ class Controls {
 
   draw() {
     const options = this.options;
-    // On a phone several states stand above each other, and need the room.
+    // On narrow screens several states are stacked and need the space.
     byId("stage").classList.toggle("many", options.shows.length > 1);
     const panes = this.viewer.draw(options);
     this.write(options, panes);
@@ -117,7 +117,7 @@ class Controls {
     this.facts(options);
   }
 
-  // A scale for the fields, one for their difference.
+  // One colour scale for the fields, one for their difference.
   legend({ shows, ranges }, name, units) {
     const stops = (colors) => [...Array(17).keys()].map((i) => `rgb(${[...colors.slice(45 * i, 45 * i + 3)]})`).join(",");
     const scale = (show) => {
@@ -138,7 +138,7 @@ class Controls {
       return legend;
     };
     byId("legends").replaceChildren(...(shows.length > 1 ? ["truth", "difference"] : shows).map(scale));
-    // The last number stands at the end; what it would touch makes room.
+    // The last number is aligned with the end; numbers that would overlap it are removed.
     document.querySelectorAll("#legends .ticks").forEach((row) => {
       const marks = [...row.children];
       const end = marks.pop().getBoundingClientRect();
@@ -169,7 +169,7 @@ class Controls {
     this.course(frame, wrong);
   }
 
-  // Over the force: errors of the prediction, else the largest values.
+  // Chart over force or time: errors of the prediction if given, otherwise the largest values.
   course(frame, wrong) {
     const { grasp } = this;
     const label = `${grasp.json.axis.name}, ${grasp.json.axis.unit}`;
@@ -187,7 +187,7 @@ class Controls {
     drawLines(byId("course"), axis, [{ name, values }], units, frame, go);
   }
 
-  // Lays the pads open or closes them, turning the view along.
+  // Animates the pads between closed and unfolded, together with the view.
   glide(to) {
     const [from, start] = [+byId("open").value, performance.now()];
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -264,7 +264,7 @@ class Controls {
     });
   }
 
-  // The value under the pointer.
+  // Shows the value under the pointer.
   tip(event) {
     const box = byId("canvas").getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];

@@ -1,10 +1,10 @@
-// Arrays of the page, and a grasp as numbers.
+// Decoded arrays of the page, and recordings of grasps.
 const dataOf = (page) => JSON.parse(page.getElementById("data").textContent);
 let data = dataOf(document);
 
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 
-// Numbers of a packed array, in SI; whole numbers as they are.
+// Decodes a packed array: numbers in SI units, or integers.
 function unpack(packed) {
   const raw = bytesOf(packed.base64).buffer;
   const kinds = { i16: Int16Array, u16: Uint16Array, u32: Uint32Array };
@@ -31,7 +31,7 @@ const QUANTITIES = {
 class Grasp {
   constructor(json) {
     Object.assign(this, { json, pads: json.pads.map(mesh), object: mesh(json.object) });
-    // Nodes of all pads follow each other; those of pad k are first[k] to first[k + 1].
+    // Nodes of all pads are concatenated; those of pad k are first[k] to first[k + 1].
     this.first = this.pads.reduce((first, pad) => [...first, first.at(-1) + pad.rest.length / 3], [0]);
     this.nodes = this.first.at(-1);
     this.frames = json.at.length;
@@ -44,7 +44,7 @@ class Grasp {
     this.kept = new Map();
   }
 
-  // Nodes that never touch were left out.
+  // Restores nodes that are never in contact, which are not stored, as zeros.
   spread({ nodes, values }) {
     const [places, given, width] = [unpack(nodes), unpack(values), this.nodes];
     const all = new Float32Array(3 * this.frames * width);
@@ -57,7 +57,7 @@ class Grasp {
     return this.states.every((state) => state[quantity]);
   }
 
-  // Value of every node, pads one after the other, in the unit of the quantity.
+  // Values of all nodes, pads concatenated, in the unit of the quantity.
   values(quantity, show, frame) {
     const key = `${quantity} ${show} ${frame}`;
     if (!this.kept.has(key)) this.kept.set(key, this.compute(quantity, show, frame));
@@ -78,7 +78,7 @@ class Grasp {
     return out;
   }
 
-  // Largest value, of one frame or of all; truth and prediction share it.
+  // Largest value of one frame or of all; truth and prediction have a common one.
   largest(quantity, show, frame) {
     const shows = show === "difference" || this.states.length < 2 ? [show] : ["truth", "prediction"];
     const frames = frame === undefined ? [...Array(this.frames).keys()] : [frame];

@@ -1,5 +1,5 @@
-// Keeps the page of a server up to date: asks every second for the state of the results, and where it is another takes over what is
-// new. Camera, grasp, frame, colours and the choices of the charts stay.
+// Updates a served page: polls the state of the results every second and loads the new content when it changes. Camera,
+// grasp, frame, colours and chart selections are kept.
 const live = byId("live");
 
 function tell(text, goes) {
@@ -14,7 +14,7 @@ const ask = async (path) => {
   return answer;
 };
 
-// What a reader has set in the sections: the quantity of each chart, and what is unfolded, by title.
+// Settings of the reader in the sections: quantity of each chart, and unfolded tables, by title.
 const charts = () => [...document.querySelectorAll("[data-chart]")].map((figure) => [figure.dataset.title, figure.querySelector("select")]);
 const folds = () => [...document.querySelectorAll("details")].map((fold) => [fold.querySelector("summary").textContent, fold]);
 

@@ -1,4 +1,4 @@
-// Vectors of three, rotations of nine and matrices of sixteen numbers, column by column.
+// Vectors (3 numbers), rotations (9) and matrices (16), column-major.
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];

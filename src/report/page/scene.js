@@ -1,7 +1,7 @@
-// Where the pads stand, and their vertices, in mm.
+// Poses of the pads and their vertices, in mm.
 const MM = 1e3;
 
-// Vertices of a pad: the sensing face bends smoothly, the sides are flat, and between them is an edge.
+// Vertices of a pad: smooth normals on the sensing face, flat sides, and a sharp edge between them.
 class PadMesh {
   constructor({ rest, sensing, outside }) {
     this.rest = rest;
@@ -29,7 +29,7 @@ class PadMesh {
     this.extent = [range(0), range(1)];
   }
 
-  // Fills position, normal and value (of the colour scale) of every vertex; displacement in m.
+  // Fills position, normal and value (relative to the colour scale) of every vertex; displacement in m.
   fill(displacement, values, range, gain) {
     const out = this.vertices;
     this.nodes.forEach((node, i) => {
@@ -54,13 +54,14 @@ class PadMesh {
   }
 }
 
-// Pads closed around the object (open = 0) or laid open like a book, faces to the reader (open = 1).
+// Poses of the pads: closed around the object (open = 0), or unfolded like a book with the faces towards the viewer
+// (open = 1).
 class Stand {
   constructor(grasp, extents) {
     Object.assign(this, { grasp, extents });
     const last = grasp.states[0].origins[grasp.frames - 1].map((o) => scaled(o, MM));
     this.middle = scaled(last.reduce((a, b) => add(a, b)), 1 / last.length);
-    // The hinge is that of a book: the shortest turn that shows the face to the reader, who looks along -y.
+    // Unfolding is the smallest rotation that turns the face towards the viewer, whose view direction is -y.
     this.hinges = grasp.json.rotations.map((r) => {
       const normal = r.slice(6, 9);
       const axis = cross(normal, [0, 1, 0]);
@@ -86,11 +87,11 @@ class Stand {
       const at = [0, 1, 2].map((c) => object[c] * vertices[i] + object[4 + c] * vertices[i + 1] + object[8 + c] * vertices[i + 2] + object[12 + c]);
       around = Math.max(around, Math.hypot(...add(at, this.middle, -1)));
     }
-    // A large object may leave the picture, the pads may not.
+    // A large object may be cropped, but not the pads.
     this.radius = Math.max(pads, Math.min(around, 1.6 * pads));
   }
 
-  // Width and height of each pad as the reader sees it laid open, and its middle from the pad's origin.
+  // Width and height of each unfolded pad in the view, and its centre relative to the pad origin.
   spans() {
     return this.grasp.json.rotations.map((r, k) => {
       const rotation = this.rotation(k, 1);

@@ -1,4 +1,4 @@
-// What the graphics card does: pads coloured by value, an object of glass.
+// Shaders: pads coloured by value, transparent object.
 const VERTEX = `#version 300 es
 in vec3 position, normal;
 in float value;
@@ -15,7 +15,7 @@ void main() {
   gl_Position.z -= lift * gl_Position.w;
 }`;
 
-// Half-Lambert: shades turn gradually and nothing goes black. Faces without normals of their own are flat.
+// Half-Lambert shading: gradual, without black regions. Faces without vertex normals are shaded flat.
 const SURFACE = `#version 300 es
 precision highp float;
 in vec3 world, bent;

@@ -1,8 +1,8 @@
-// Draws the pads, one pane for each state that is shown.
+// Draws the pads, one pane per displayed state.
 const LENS = Math.tan((9 * Math.PI) / 180);
 const VIEWS = { closed: { yaw: 0.33, pitch: 0.3, zoom: 1 }, open: { yaw: 0, pitch: 0.12, zoom: 1 } };
 
-// Errors go from pale to dark red, so that they are not taken for the fields themselves; brightness falls all the way.
+// Colour map of errors: pale to dark red, distinct from that of the fields, with monotonically decreasing luminance.
 const ERROR_RAMP = [[0.96, 0.955, 0.94], [0.985, 0.80, 0.50], [0.93, 0.47, 0.23], [0.70, 0.13, 0.20], [0.30, 0.02, 0.16]];
 function errorColors() {
   const out = new Uint8Array(3 * 256);
@@ -40,7 +40,7 @@ class Viewer {
     this.buffers = [];
   }
 
-  // Buffers of vertices (position, normal, value) and of the lists of their numbers.
+  // Creates buffers of vertices (position, normal, value) and of index lists.
   buffer(vertices, ...lists) {
     const gl = this.gl;
     const array = gl.createVertexArray();
@@ -69,7 +69,7 @@ class Viewer {
     this.object = this.buffer(withNormals(grasp.object), grasp.object.triangles instanceof Uint32Array ? grasp.object.triangles : Uint32Array.from(grasp.object.triangles));
   }
 
-  // Camera of a pane of this aspect and height, pixels; above the pads laid open is room for their names and that of the pane.
+  // Camera of a pane of this aspect and height (pixels); leaves room for the labels above unfolded pads.
   camera(aspect, open, height) {
     const { yaw, pitch, zoom } = this.view;
     const { radius, openFit, middle } = this.stand;
@@ -87,14 +87,14 @@ class Viewer {
     return { matrix: times(perspective(LENS, aspect, near, distance + 6 * radius), look), towards, light };
   }
 
-  // Fits the picture to its element; true if that changed it.
+  // Sets the canvas resolution to the size of its element.
   fit() {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const [w, h] = [this.canvas.clientWidth, this.canvas.clientHeight].map((v) => Math.max(1, Math.round(v * ratio)));
     if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
   }
 
-  // Draws; `options`: frame, shows, quantity, open, gain, object, mesh, ranges. Returns the panes for what is written on them.
+  // Draws; `options`: frame, shows, quantity, open, gain, object, mesh, ranges. Returns the panes, for their labels.
   draw(options) {
     this.fit();
     const { gl, canvas } = this;
@@ -160,7 +160,7 @@ class Viewer {
     const { gl } = this;
     const places = this.use(this.glass, camera, [0.78, 0.72, 0.63, strength]);
     gl.uniformMatrix4fv(places.model, false, model);
-    // Where it touches a pad, the pad is seen.
+    // The depth offset puts the pads in front where they touch the object.
     gl.uniform1f(places.lift, -1.5e-3);
     gl.bindVertexArray(this.object.array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.object.lists[0].buffer);
@@ -174,7 +174,8 @@ class Viewer {
     gl.depthMask(true);
   }
 
-  // The node of a sensing face nearest to a point of the canvas (0 to 1), within some pixels; its value and where it is.
+  // Returns the node of a sensing face nearest to a point of the canvas (0 to 1) within a few pixels, with its value
+  // and position.
   pick(x, y) {
     const pane = (this.panes || []).find((p) => x >= p.x && x < p.x + p.w && y >= p.y && y < p.y + p.h);
     if (!pane) return null;
@@ -204,7 +205,7 @@ class Viewer {
   }
 }
 
-// Vertices of the object with normals, weighted by the area of their triangles.
+// Vertices of the object with area-weighted normals.
 function withNormals({ vertices, triangles }) {
   const out = new Float32Array((7 * vertices.length) / 3);
   const corner = (i) => [vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]];

@@ -1,20 +1,20 @@
-//! The tag `<default>`: classes of attributes that elements take over.
+//! Element `<default>`: classes of default attributes.
 
 use super::orientation::ORIENTATIONS;
 use crate::robot::xml::XmlElement;
 use std::collections::HashMap;
 
-/// Name of the class that all others inherit from.
+/// Name of the root class.
 pub(super) const MAIN: &str = "main";
 
-/// Attributes of each class by the tag of the elements that they are for.
+/// Default attributes by class and element tag.
 #[derive(Default)]
 pub(super) struct Defaults {
     classes: HashMap<String, HashMap<String, XmlElement>>,
 }
 
 impl Defaults {
-    /// Takes in the class `of`, which stands in the class `parent`, with the classes in it.
+    /// Adds the class `of` with parent class `parent`, and its nested classes.
     pub fn add(&mut self, of: &XmlElement, parent: &str) {
         let name = of.text("class").unwrap_or(parent).to_string();
         let inherited = self.classes.get(&name).or_else(|| self.classes.get(parent));
@@ -27,10 +27,10 @@ impl Defaults {
         of.each("default").for_each(|inner| self.add(inner, &name));
     }
 
-    /// Returns an element with the attributes that its class gives it: the one that it names, or `class`.
+    /// Returns an element with the default attributes of its own class, or of `class` if it names none.
     ///
     /// # Errors
-    /// Fails if there is no such class.
+    /// Fails if the class does not exist.
     pub fn apply(&self, element: &XmlElement, class: &str) -> Result<XmlElement, String> {
         let class = element.text("class").unwrap_or(class);
         match self.classes.get(class) {
@@ -42,7 +42,7 @@ impl Defaults {
 }
 
 fn inherit(own: &XmlElement, base: &XmlElement) -> XmlElement {
-    // An orientation has several forms; one of its own takes the place of any other.
+    // An own orientation overrides an inherited one in any form.
     let turned = ORIENTATIONS.iter().any(|form| own.text(form).is_some());
     own.over(base, |name| name != "name" && name != "class" && !(turned && ORIENTATIONS.contains(&name)))
 }

@@ -1,13 +1,14 @@
-//! The tag `<include>`: the elements of another file in its place.
+//! Element `<include>`: replaced by the elements of another file.
 
 use crate::robot::xml::{DEPTH, XmlElement, XmlReader};
 use std::path::Path;
 
-/// Replaces each `<include>` in `element`, which stands in `depth` others, by what the file has in its outermost element. As in MuJoCo, paths
-/// start at `folder`, that of the main file, and where nothing is there at that of the file with the `<include>`.
+/// Replaces each `<include>` in `element`, at nesting depth `depth`, by the children of the root element of the file.
+/// As in MuJoCo, paths are relative to `folder`, that of the main file, or if no such file exists to that of the
+/// including file.
 ///
 /// # Errors
-/// Fails if a file cannot be read, is included in a circle, or elements stand in too many others.
+/// Fails if a file cannot be read, is included recursively, or elements are nested too deeply.
 pub(super) fn expand(
     element: &mut XmlElement,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! Bodies and sites of a robot in MJCF, as MuJoCo has them: with includes, classes of defaults, frames and attached models.
+//! Bodies and sites of an MJCF model, with includes, default classes, frames and attached models, as in MuJoCo.
 
 mod defaults;
 mod include;
@@ -11,10 +11,10 @@ use glam::{DAffine3, DVec3};
 use orientation::Compiler;
 use std::collections::HashMap;
 
-/// Name of the link that carries all others.
+/// Name of the root link.
 const WORLD: &str = "world";
 
-/// Reads the links of a `<mujoco>`; a site is a link that is fixed on its body.
+/// Reads the links of a `<mujoco>`; a site is a link fixed to its body.
 pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkTree, String> {
     let folder = root.folder().to_path_buf();
     include::expand(&mut root, &folder, 0, reader)?;
@@ -49,23 +49,23 @@ pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkT
 struct Model {
     compiler: Compiler,
     defaults: Defaults,
-    /// Models of `<asset>`, by their names.
+    /// Models of `<asset>` by name.
     attachable: HashMap<String, LinkTree>,
     tree: LinkTree,
 }
 
-/// What elements stand in.
+/// Context of the elements being read.
 struct Context<'a> {
-    /// Number of the body.
+    /// Index of the enclosing body.
     body: usize,
-    /// Class of elements that name none.
+    /// Default class of elements that name none.
     class: &'a str,
-    /// Map from the innermost frame to the body, m.
+    /// Transform from the innermost frame to the body, m.
     frame: DAffine3,
 }
 
 impl Model {
-    /// Takes in all that a body or a frame carries.
+    /// Adds the contents of a body or a frame.
     fn add(&mut self, of: &XmlElement, context: &Context) -> Result<(), String> {
         for element in &of.children {
             let class = element.text("childclass").unwrap_or(context.class);
@@ -118,7 +118,7 @@ impl Model {
         Ok(Mobility::Slides { axis: context.frame.transform_vector3(unit), joint: self.tree.joints.len() - 1 })
     }
 
-    /// Returns the lowest and the highest position of a joint from that in which the model is drawn.
+    /// Returns the lower and the upper limit of a joint relative to its reference position `ref`.
     fn range(&self, joint: &XmlElement, kind: &str) -> Result<[f64; 2], String> {
         const WRITE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
         let limited = match joint.text("limited") {
@@ -141,7 +141,7 @@ impl Model {
         Ok([a, b].map(|position| (position - drawn) * scale))
     }
 
-    /// Takes in the body that an `<attach>` names with all that it carries, or all of the model's world if it names none.
+    /// Adds the body named by an `<attach>` with its subtree, or the whole world of the model if it names none.
     fn attach(&mut self, attach: &XmlElement, context: &Context) -> Result<(), String> {
         let (model, prefix) = (attach.needed("model")?, attach.text("prefix").unwrap_or_default());
         let missing = || attach.error(format_args!("names the model {model:?}, which no <asset> has"));
@@ -162,7 +162,7 @@ impl Model {
             range: joint.range.clone(),
             mimic: joint.mimic.clone().map(|mimic| Mimic { leader: mimic.leader + joints, ..mimic }),
         }));
-        // A link stands after the one that carries it.
+        // Parents precede their children in the list.
         let mut taken: Vec<Option<usize>> = vec![None; other.links.len()];
         for (number, link) in other.links.iter().enumerate() {
             let carrier = link.parent.and_then(|parent| taken[parent]);
@@ -192,7 +192,7 @@ impl Model {
         Ok(())
     }
 
-    /// Takes in an equality of joints: the first one follows the second one.
+    /// Applies an equality of joints: the first joint follows the second.
     fn couple(&mut self, equality: &XmlElement, numbers: &HashMap<String, usize>) -> Result<(), String> {
         if equality.text("active") == Some("false") {
             return Ok(());

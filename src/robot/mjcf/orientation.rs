@@ -1,9 +1,9 @@
-//! Position and orientation of an element, in the forms that MJCF has for them.
+//! Position and orientation of an element, in all forms of MJCF.
 
 use crate::robot::xml::XmlElement;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// Attributes that give an orientation.
+/// Attributes that specify an orientation.
 pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 /// Settings of `<compiler>`.
@@ -11,9 +11,9 @@ pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxe
 pub(super) struct Compiler {
     /// Flag: angles are in degrees.
     pub degrees: bool,
-    /// Axes of the three Euler angles; small letters turn with the body, capital ones do not.
+    /// Axes of the three Euler angles; lower case is intrinsic (body axes), upper case extrinsic (fixed axes).
     pub sequence: String,
-    /// Flag: a joint that has a range is limited by it.
+    /// Flag: a joint with a range is limited.
     pub autolimits: bool,
 }
 
@@ -24,10 +24,10 @@ impl Default for Compiler {
 }
 
 impl Compiler {
-    /// Takes in a `<compiler>`.
+    /// Applies the settings of a `<compiler>`.
     ///
     /// # Errors
-    /// Fails for coordinates or a sequence that MuJoCo does not know.
+    /// Fails for global coordinates and for an invalid Euler sequence.
     pub fn add(&mut self, compiler: &XmlElement) -> Result<(), String> {
         if compiler.text("coordinate").is_some_and(|kind| kind != "local") {
             return Err(
@@ -45,7 +45,7 @@ impl Compiler {
         Ok(())
     }
 
-    /// Returns an angle of the attribute `name` in rad.
+    /// Converts an angle of the attribute `name` to rad.
     pub fn angle(&self, element: &XmlElement, name: &str, angle: f64) -> Result<f64, String> {
         match self.degrees {
             true => Ok(angle.to_radians()),
@@ -53,10 +53,10 @@ impl Compiler {
         }
     }
 
-    /// Returns the map from the axes of an element to those of what it stands in, m.
+    /// Returns the transform from the axes of an element to those of its parent, m.
     ///
     /// # Errors
-    /// Fails for what is no position or orientation.
+    /// Fails for an invalid position or orientation.
     pub fn pose(&self, element: &XmlElement) -> Result<DAffine3, String> {
         let mut position = element.numbers("pos")?.map(DVec3::from_array).unwrap_or_default();
         if let Some([a, b, c, d, e, f]) = element.numbers("fromto")? {
@@ -109,7 +109,7 @@ impl Compiler {
             _ => {
                 let z = unit(element.numbers(form)?.unwrap_or_default())?;
                 let axis = DVec3::Z.cross(z);
-                // Half a turn, and none at all, are about x.
+                // Rotations by 0 and pi are about x.
                 let turn = axis.try_normalize().unwrap_or(DVec3::X);
                 Ok(DMat3::from_axis_angle(turn, axis.length().atan2(z.z)))
             }
