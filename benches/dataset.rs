@@ -9,16 +9,16 @@ use tactus::dataset::arrays::FileSizes;
 use tactus::dataset::compatible::World;
 use tactus::dataset::file::{Writer, lay_out};
 use tactus::dataset::rows::Encoder;
-use tactus::gripper::GraspPose;
+use tactus::geometry::Pose;
 use tactus::model::Model;
-use tactus::random::Random;
+use tactus::base::random::Random;
 use tactus::record::{Frame, PadFrame, Status};
 use tactus::scene::load_set;
 
 const GRASPS: usize = 16;
 
 fn made_up(model: &Model, index: usize, random: &mut Random) -> Frame {
-    let pad = |f: &tactus::part::FingerModel| {
+    let pad = |f: &tactus::model::part::FingerModel| {
         let (nodes, tets) = (f.body.rest.len(), f.body.element_count());
         let mut vectors = || (0..nodes).map(|_| glam::DVec3::splat(random.unit())).collect::<Vec<_>>();
         let (position, displacement, contact_force) = (vectors(), vectors(), vectors());
@@ -37,7 +37,7 @@ fn made_up(model: &Model, index: usize, random: &mut Random) -> Frame {
 }
 
 /// A file of one object; its path is below `dir`.
-fn file(dir: &Path) -> tactus::error::Result<ObjectFile> {
+fn file(dir: &Path) -> tactus::base::error::Result<ObjectFile> {
     let set = load_set("scenes/paper.ron")?;
     let named = &set.scenes[0];
     let model = Model::build(&named.scene)?;
@@ -47,7 +47,7 @@ fn file(dir: &Path) -> tactus::error::Result<ObjectFile> {
     lay_out(&path, named, &model, &sizes, encoder.mirrored)?;
     let writer = Writer::open(&path, &sizes)?;
     let mut random = Random::new(1);
-    let pose = GraspPose { position: glam::DVec3::ZERO, rotation: glam::DQuat::IDENTITY };
+    let pose = Pose { position: glam::DVec3::ZERO, rotation: glam::DQuat::IDENTITY };
     for grasp in 0..GRASPS {
         let mut rows = encoder.rows(&pose);
         (0..sizes.frames).for_each(|k| encoder.frame(&mut rows, &made_up(&model, k, &mut random)));

@@ -6,7 +6,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use mimalloc::MiMalloc;
 use std::path::PathBuf;
 use tactus::env::{BatchConfig, BatchEnv};
-use tactus::random::Random;
+use tactus::base::random::Random;
 use tactus::scene::{Gnn, StepperChoice, load_set};
 
 /// As in the program and the Python package.

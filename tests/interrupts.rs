@@ -6,11 +6,11 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tactus::backend::choose;
 use tactus::env::{BatchConfig, BatchEnv};
-use tactus::error::Error;
-use tactus::grasp::poses_of;
-use tactus::interrupt;
+use tactus::base::error::Error;
+use tactus::model::grasp::poses_of;
+use tactus::base::interrupt;
 use tactus::model::Model;
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::{load, load_set};
 
 /// Each grasp takes a part of a second, all of them minutes.

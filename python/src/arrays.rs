@@ -5,7 +5,7 @@ use numpy::{Element, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tactus::geometry::mesh::TriMesh;
-use tactus::gripper::GraspPose;
+use tactus::geometry::Pose;
 use tactus::model::Model;
 use tactus::record::{PadTopology, TactileArray, names};
 
@@ -36,11 +36,11 @@ pub fn flat(vectors: &[glam::DVec3]) -> Vec<f64> {
 }
 
 /// Parses hand poses from the rows of an array; normalises the quaternions.
-pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
+pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Pose>> {
     let hand = |row: Vec<f64>| {
         let sound = row.len() == 7 && row.iter().all(|v| v.is_finite()) && row[3..] != [0.0; 4];
-        let GraspPose { position, rotation } = sound.then(|| GraspPose::from_row(&row))?;
-        Some(GraspPose { position, rotation: rotation.normalize() })
+        let Pose { position, rotation } = sound.then(|| Pose::from_row(&row))?;
+        Some(Pose { position, rotation: rotation.normalize() })
     };
     let what = "poses: rows of 7 finite numbers are needed: px py pz qw qx qy qz of the hand in the object frame, no quaternion zero";
     let hands: Option<_> = rows.as_array().rows().into_iter().map(|row| hand(row.to_vec())).collect();
@@ -49,7 +49,7 @@ pub fn hands(rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<GraspPose>> {
 
 /// Returns mesh and pose of each pad of a model, left first.
 pub fn pads<'py>(py: Python<'py>, model: &Model) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    let pad = |finger: &tactus::part::FingerModel| {
+    let pad = |finger: &tactus::model::part::FingerModel| {
         pad(py, &finger.topology, &finger.placement.pose(), finger.placement.closing)
     };
     model.fingers.iter().map(pad).collect()
@@ -59,7 +59,7 @@ pub fn pads<'py>(py: Python<'py>, model: &Model) -> PyResult<Vec<Bound<'py, PyDi
 pub fn pad<'py>(
     py: Python<'py>,
     topology: &PadTopology,
-    pose: &GraspPose,
+    pose: &Pose,
     closing: glam::DVec3,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (to, pad) = (PyDict::new(py), topology);

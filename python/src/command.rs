@@ -6,8 +6,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use tactus::cli::{Cli, Console};
-use tactus::error::{Error, Result};
-use tactus::limits::machine_threads;
+use tactus::base::error::{Error, Result};
+use tactus::base::machine::machine_threads;
 
 /// Console that stores the output of a command.
 #[derive(Default)]

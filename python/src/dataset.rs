@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tactus::dataset::{self, Campaign};
-use tactus::error::Error;
+use tactus::base::error::Error;
 use tactus::record::names;
 use tactus::scene::load_set;
 

@@ -7,9 +7,9 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
-use tactus::error::Error;
-use tactus::grasp::poses_of;
-use tactus::gripper::GraspPose;
+use tactus::base::error::Error;
+use tactus::model::grasp::poses_of;
+use tactus::geometry::Pose;
 use tactus::net::infer::inputs::Array;
 use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
 use tactus::scene::{Overrides, load_object};
@@ -50,7 +50,7 @@ impl FaceInputs {
             Ok((inputs, poses_of(&scene)?))
         };
         let (inputs, poses) = supervise(py, Some(threads), build)?;
-        Ok(Self { inputs: Arc::new(inputs), poses: poses.iter().map(GraspPose::row).collect(), threads })
+        Ok(Self { inputs: Arc::new(inputs), poses: poses.iter().map(Pose::row).collect(), threads })
     }
 
     /// Returns the grasp poses of the scene (G, 7), the force at each load level (F), N, and friction.

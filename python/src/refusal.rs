@@ -4,7 +4,7 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use std::fmt::Display;
 use std::io::ErrorKind;
-use tactus::error::Error;
+use tactus::base::error::Error;
 
 /// Python exception of a tactus error.
 pub struct Refusal(pub PyErr);

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use tactus::interrupt;
+use tactus::base::interrupt;
 
 /// Interval between checks for signals.
 const TICK: Duration = Duration::from_millis(50);

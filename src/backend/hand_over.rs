@@ -2,12 +2,12 @@
 
 use super::fem::stepper::FemStepper;
 use super::network::NetworkStepper;
-use crate::error::{Error, Result};
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::model::Model;
-use crate::scene::{Condensed, Fem, Solver};
-use crate::world::Stepper;
-use crate::world::schedule::{HandedOver, Shared};
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
+use model::Model;
+use scene::{Condensed, Fem, Solver};
+use world::Stepper;
+use world::schedule::{HandedOver, Shared};
 use bevy_ecs::prelude::*;
 
 /// Network that falls back to condensed finite elements where its predicted error is too large or unknown.

@@ -1,24 +1,24 @@
 //! Network backend, with the phases and components of the finite element backend.
 
-use crate::error::{Error, Result};
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::linear::GraspLoad;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::PadGraph;
-use crate::model::{Model, Needs};
-use crate::net::infer::force_ladder::ForceLadder;
-use crate::net::infer::hold::{hold, slip};
-use crate::net::infer::predict::{GraspState, PadState, Predictor, Seen};
-use crate::net::infer::ramp::Ramp;
-use crate::net::infer::touch::object_at;
-use crate::record::ErrorBound;
-use crate::world::Stepper;
-use crate::world::components::*;
-use crate::world::schedule::{
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
+use net::linear::GraspLoad;
+use net::linear::first_contact::GeometricContact;
+use net::linear::pad_graph::PadGraph;
+use model::{Model, Needs};
+use net::infer::force_ladder::ForceLadder;
+use net::infer::hold::{hold, slip};
+use net::infer::predict::{GraspState, PadState, Predictor, Seen};
+use net::infer::ramp::Ramp;
+use net::infer::touch::object_at;
+use record::ErrorBound;
+use world::Stepper;
+use world::components::*;
+use world::schedule::{
     BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping,
     reached,
 };
-use crate::world::systems::sense::close_to_contact;
+use world::systems::sense::close_to_contact;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;

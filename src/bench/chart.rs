@@ -1,8 +1,8 @@
 //! Chart of error against time, both logarithmic, as PNG and as SVG: points, the Pareto front, dominated points.
 
 use super::report::{BenchReport, Point, SpeedUp};
-use crate::error::Result;
-use crate::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
+use base::error::Result;
+use record::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;

@@ -6,19 +6,19 @@ use super::ladder::{self, Member, MeshLadder, Role, Tally};
 use super::report::BenchReport;
 use super::sweep::{Configuration, Sweep};
 use super::values::{FrameValues, values};
-use crate::backend::choose;
-use crate::distance::{Distance, Fields, Points, Probe};
-use crate::error::{Error, Result};
-use crate::grasp::poses_of;
-use crate::gripper::GraspPose;
-use crate::interrupt;
-use crate::model::Model;
-use crate::record::{Frame, Status};
-use crate::run::{Observer, Outcome, run_grasp};
-use crate::scene::Scene;
-use crate::stats::median;
-use crate::world::Stepper;
-use crate::world::environment::Environment;
+use backend::choose;
+use record::distance::{Distance, Fields, Points, Probe};
+use base::error::{Error, Result};
+use model::grasp::poses_of;
+use geometry::Pose;
+use base::interrupt;
+use model::Model;
+use record::{Frame, Status};
+use world::run::{Observer, Outcome, run_grasp};
+use scene::Scene;
+use base::stats::median;
+use world::Stepper;
+use world::environment::Environment;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -200,7 +200,7 @@ impl Climb {
     ///
     /// # Errors
     /// Fails if the grasp cannot be run.
-    pub fn grasp(&mut self, index: usize, pose: GraspPose, progress: &mut impl FnMut(&str)) -> Result<Vec<RungResult>> {
+    pub fn grasp(&mut self, index: usize, pose: Pose, progress: &mut impl FnMut(&str)) -> Result<Vec<RungResult>> {
         let (mut steps, mut levels) = (Vec::new(), Vec::new());
         for (role, entry) in &mut self.members {
             progress(&format!("grasp {index}: {}", entry.configuration.label));
@@ -243,7 +243,7 @@ impl Climb {
 }
 
 /// Returns evenly spread grasps with their numbers.
-fn sample(poses: &[GraspPose], wanted: usize) -> Vec<(usize, GraspPose)> {
+fn sample(poses: &[Pose], wanted: usize) -> Vec<(usize, Pose)> {
     let count = wanted.clamp(1, poses.len().max(1));
     let numbers = (0..count).map(|i| i * poses.len() / count);
     numbers.filter_map(|i| poses.get(i).map(|p| (i, *p))).collect()
@@ -267,7 +267,7 @@ impl ContestEntry {
     }
 
     /// Measures the peak memory of a simulation up to the first frame, while no other configuration is loaded.
-    fn measure_memory(&mut self, pose: GraspPose) -> Result<()> {
+    fn measure_memory(&mut self, pose: Pose) -> Result<()> {
         let known = forget_peak_memory();
         let scene = &self.configuration.scene;
         let (model, stepper) = (Model::build(scene)?, choose(scene)?);
@@ -280,7 +280,7 @@ impl ContestEntry {
 
     /// Simulates a grasp on `pool`; returns the fields of its frames at the first repetition, otherwise or on failure
     /// nothing.
-    fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: GraspPose, points: &Points) -> Result<Vec<Fields>> {
+    fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: Pose, points: &Points) -> Result<Vec<Fields>> {
         let frames = self.simulate(pool, index, pose, points)?;
         Ok(self.fields(&frames))
     }
@@ -296,7 +296,7 @@ impl ContestEntry {
         &mut self,
         pool: &rayon::ThreadPool,
         index: usize,
-        pose: GraspPose,
+        pose: Pose,
         points: &Points,
     ) -> Result<Vec<Frame>> {
         let first = !self.wall_s.contains_key(&index);
@@ -357,7 +357,7 @@ pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
 }
 
 impl Prepared {
-    fn new(configuration: &Configuration, points: &Points, pose: GraspPose) -> Result<Self> {
+    fn new(configuration: &Configuration, points: &Points, pose: Pose) -> Result<Self> {
         let clock = Instant::now();
         let (mut model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);
         if let Some(model) = Arc::get_mut(&mut model) {

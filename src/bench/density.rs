@@ -1,11 +1,11 @@
 //! Pads of a scene with coarser or finer cells.
 
-use crate::error::{Error, Result};
-use crate::part::pad;
-use crate::scene::leaf::{Count, Length, Ratio};
-use crate::scene::pad::{BoxPad, DiscPad, GelSightMini};
-use crate::scene::vector::{Cells, Tuple};
-use crate::scene::{Element, Pads};
+use base::error::{Error, Result};
+use model::part::pad;
+use scene::leaf::{Count, Length, Ratio};
+use scene::pad::{BoxPad, DiscPad, GelSightMini};
+use scene::vector::{Cells, Tuple};
+use scene::{Element, Pads};
 
 /// Returns the same pad with cells that are `factor` times as wide.
 ///
@@ -91,7 +91,7 @@ pub fn nodes(pads: &Pads, element: Element) -> Result<usize> {
     let (pad, _) = pad::build(pads, &mut Vec::new())?;
     let middles = match element {
         Element::Linear => 0,
-        Element::Quadratic => crate::geometry::mesh::quadratic::midpoint_edges(&pad.mesh).len(),
+        Element::Quadratic => geometry::mesh::quadratic::midpoint_edges(&pad.mesh).len(),
     };
     Ok(pad.mesh.nodes.len() + middles)
 }

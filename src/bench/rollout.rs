@@ -3,14 +3,14 @@
 
 use super::clock::{forget_peak_memory, peak_memory};
 use super::snapshots::{SnapshotCost, snapshots};
-use crate::backend::choose;
-use crate::env::{BatchConfig, BatchEnv};
-use crate::error::{Error, Result};
-use crate::interrupt;
-use crate::random::Random;
-use crate::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
-use crate::scene::{Gnn, NamedScene, StepperChoice};
-use crate::stats::median;
+use backend::choose;
+use env::{BatchConfig, BatchEnv};
+use base::error::{Error, Result};
+use base::interrupt;
+use base::random::Random;
+use record::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
+use scene::{Gnn, NamedScene, StepperChoice};
+use base::stats::median;
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ struct Turn {
 fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<Turn> {
     let known = forget_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
-    let failed = |e: crate::env::StepError| Error::Solver(e.to_string());
+    let failed = |e: env::StepError| Error::Solver(e.to_string());
     env.reset(None, None).map_err(failed)?;
     let mut random = Random::new(1);
     let numbers = num_envs * env.action_spec().size();

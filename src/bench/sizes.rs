@@ -3,14 +3,14 @@
 use super::clock::{forget_peak_memory, peak_memory, processor_time};
 use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
-use crate::backend::choose;
-use crate::error::{Error, Result};
-use crate::grasp::poses_of;
-use crate::model::{Model, accuracy};
-use crate::record::Status;
-use crate::run::run_grasp;
-use crate::scene::{Element, Pads, Scene, StepperChoice};
-use crate::stats::median;
+use backend::choose;
+use base::error::{Error, Result};
+use model::grasp::poses_of;
+use model::{Model, accuracy};
+use record::Status;
+use world::run::run_grasp;
+use scene::{Element, Pads, Scene, StepperChoice};
+use base::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

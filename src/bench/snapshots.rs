@@ -1,10 +1,10 @@
 //! Time and size of saved environment states, early and late in an episode.
 
-use crate::env::{BatchConfig, BatchEnv};
-use crate::error::{Error, Result};
-use crate::interrupt;
-use crate::scene::NamedScene;
-use crate::stats::median;
+use env::{BatchConfig, BatchEnv};
+use base::error::{Error, Result};
+use base::interrupt;
+use scene::NamedScene;
+use base::stats::median;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -32,7 +32,7 @@ pub struct SnapshotCost {
 /// Fails if an environment cannot be created, stepped or restored.
 pub fn snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<SnapshotCost>> {
     let mut env = BatchEnv::new(set, BatchConfig { num_envs: 1, threads: Some(1), ..BatchConfig::default() })?;
-    let failed = |e: crate::env::StepError| Error::Solver(e.to_string());
+    let failed = |e: env::StepError| Error::Solver(e.to_string());
     env.reset(None, None).map_err(failed)?;
     let still = vec![0.0; env.action_spec().size()];
     let mut costs = Vec::new();

@@ -1,12 +1,12 @@
 //! Configurations of a comparison: finite-element settings around those of the scene, and networks.
 
 use super::density::{coarser, describe, nodes};
-use crate::error::{Error, Result};
-use crate::linear::pad_graph::mesh_hash;
-use crate::model::{Model, accuracy};
-use crate::net::network::card::Trained;
-use crate::scene::leaf::Positive;
-use crate::scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};
+use base::error::{Error, Result};
+use net::linear::pad_graph::mesh_hash;
+use model::{Model, accuracy};
+use net::network::card::Trained;
+use scene::leaf::Positive;
+use scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::path::{Path, PathBuf};
 

@@ -1,10 +1,10 @@
 //! Scalar values of a frame that are independent of its mesh, for the table of references.
 
 use super::report::QuantityName;
-use crate::distance::{Points, Probe};
-use crate::model::Model;
-use crate::part::FingerModel;
-use crate::record::{Frame, PadFrame};
+use record::distance::{Points, Probe};
+use model::Model;
+use model::part::FingerModel;
+use record::{Frame, PadFrame};
 use glam::DVec3;
 use std::collections::BTreeMap;
 

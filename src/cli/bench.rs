@@ -3,13 +3,13 @@
 
 use super::console::Console;
 use super::{Format, OK};
-use crate::bench::certify::References;
-use crate::bench::contest::Rules;
-use crate::bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
-use crate::error::{Error, Result};
-use crate::files::atomic::{create_dir, write_atomic};
-use crate::limits::machine_threads;
-use crate::scene::{Scene, load_object, load_set};
+use bench::certify::References;
+use bench::contest::Rules;
+use bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
+use base::error::{Error, Result};
+use base::files::atomic::{create_dir, write_atomic};
+use base::machine::machine_threads;
+use scene::{Scene, load_object, load_set};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;

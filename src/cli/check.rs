@@ -6,20 +6,21 @@ use super::findings::{Found, TRIED};
 use super::plausible::implausible;
 use super::run::about_object;
 use super::{Format, OK, REFUSED};
-use crate::backend::choose;
-use crate::backend::fem::condensed::nodes_at_contact;
-use crate::error::{Error, Result};
-use crate::geometry::mesh::io::{write_obj, write_stl};
-use crate::grasp::{aim_notice, grasps_of, write_grasps_h5};
-use crate::gripper::hand::HandPart;
-use crate::gripper::{GraspPose, Hand};
-use crate::limits::machine_threads;
-use crate::linear::first_contact::GeometricContact;
-use crate::model::{Model, Unknowns};
-use crate::number::counted;
-use crate::run::effort::ExpectedTime;
-use crate::scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
-use crate::world::environment::Environment;
+use backend::choose;
+use backend::fem::condensed::nodes_at_contact;
+use base::error::{Error, Result};
+use geometry::mesh::io::{write_obj, write_stl};
+use model::grasp::{aim_notice, grasps_of, write_grasps_h5};
+use model::gripper::hand::HandPart;
+use geometry::Pose;
+use model::gripper::Hand;
+use base::machine::machine_threads;
+use net::linear::first_contact::GeometricContact;
+use model::{Model, Unknowns};
+use base::number::counted;
+use world::run::effort::ExpectedTime;
+use scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
+use world::environment::Environment;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -128,7 +129,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
     let tried = &poses[..poses.len().min(TRIED)];
     // Each thread reuses one environment for all its grasps.
-    let close = |poses: &[GraspPose]| {
+    let close = |poses: &[Pose]| {
         let mut kept = None;
         poses.iter().map(|pose| GeometricContact::find_in(&mut kept, &model, *pose)).collect::<Vec<_>>()
     };
@@ -159,7 +160,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     // problem, because only the pads are simulated.
     let hand = pad.filter(|_| !matches!(scene.grasps, Grasps::Antipodal(_))).map(|pad| Hand::new(pad, &scene.gripper));
     let distance = model.object.distance.as_ref();
-    let met = |(grasp, pose): (usize, &GraspPose)| match hand.as_ref()?.obstacle(distance, pose, 0.0, 0.0)? {
+    let met = |(grasp, pose): (usize, &Pose)| match hand.as_ref()?.obstacle(distance, pose, 0.0, 0.0)? {
         part @ (HandPart::Palm | HandPart::Finger) => {
             Some(format!("grasp {grasp}: the {} of a real hand would collide with the object", part.name()))
         }

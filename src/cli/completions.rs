@@ -2,8 +2,8 @@
 
 use super::console::Console;
 use super::{Cli, OK};
-use crate::error::{Error, Result};
-use crate::files::atomic::create_dir;
+use base::error::{Error, Result};
+use base::files::atomic::create_dir;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! Console of a command: the destination of its report, messages and progress.
 
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use indicatif::ProgressBar;
 use std::io::Write;
 

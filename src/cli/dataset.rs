@@ -6,20 +6,19 @@ use super::dataset_table::{made, moved};
 use super::run::refused;
 use super::view::{WatchArgs, watched};
 use super::{Format, NOT_HELD, OK, inspect, kept};
-use crate::backend;
-use crate::dataset::manifest::LeftOut;
-use crate::dataset::progress::Finished;
-use crate::dataset::{Campaign, Selection, Watcher};
-use crate::error::Result;
-use crate::grasp::keep_first;
-use crate::gripper::GraspPose;
-use crate::limits::machine_threads;
-use crate::net::infer::doubt::doubts;
-use crate::net::infer::predict::Predictor;
-use crate::number::counted;
-use crate::record::Status;
-use crate::scene::overrides::limit_time;
-use crate::scene::{GraspCount, NamedScene, Scene, load_seeded};
+use dataset::manifest::LeftOut;
+use dataset::progress::Finished;
+use dataset::{Campaign, Selection, Watcher};
+use base::error::Result;
+use model::grasp::keep_first;
+use geometry::Pose;
+use base::machine::machine_threads;
+use net::infer::doubt::doubts;
+use net::infer::predict::Predictor;
+use base::number::counted;
+use record::Status;
+use scene::overrides::limit_time;
+use scene::{GraspCount, NamedScene, Scene, load_seeded};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -120,7 +119,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
-    let score = |scene: &Scene, poses: &[GraspPose]| match &predictor {
+    let score = |scene: &Scene, poses: &[Pose]| match &predictor {
         Some(predictor) => doubts(predictor, scene, poses),
         None => Ok(vec![0.0; poses.len()]),
     };

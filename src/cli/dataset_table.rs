@@ -1,10 +1,10 @@
 //! Text report of `tactus dataset`.
 
-use crate::dataset::Manifest;
-use crate::dataset::sensitivity::SensitivityRow;
-use crate::number::counted;
-use crate::run::sensitivity::CHANGES;
-use crate::stats::median;
+use dataset::Manifest;
+use dataset::sensitivity::SensitivityRow;
+use base::number::counted;
+use world::run::sensitivity::CHANGES;
+use base::stats::median;
 use std::fmt::Write;
 
 /// Describes a data set: a row for each object, failures, expectations, the time per grasp.

@@ -1,15 +1,15 @@
 //! Findings about a scene: as text, with the most important facts first, and as JSON.
 
-use crate::geometry::Aabb;
-use crate::geometry::mesh::topology::watertight;
-use crate::geometry::shape::SurfaceDefinition;
-use crate::gripper::GraspPose;
-use crate::model::{Model, Unknowns};
-use crate::number::shown;
-use crate::part::FingerModel;
-use crate::record::pad_name;
-use crate::run::effort::{EXPECTED_WITHIN, ExpectedTime};
-use crate::scene::Scene;
+use geometry::Aabb;
+use geometry::mesh::topology::watertight;
+use geometry::shape::SurfaceDefinition;
+use geometry::Pose;
+use model::{Model, Unknowns};
+use base::number::shown;
+use model::part::FingerModel;
+use record::pad_name;
+use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
+use scene::Scene;
 use glam::DVec3;
 use indicatif::HumanDuration;
 use serde_json::{Value, json};
@@ -30,7 +30,7 @@ pub(super) struct Found {
     pub systems: Vec<(String, Vec<String>)>,
     pub components: Vec<(String, usize)>,
     pub unknowns: Unknowns,
-    pub poses: Vec<GraspPose>,
+    pub poses: Vec<Pose>,
     pub notices: Vec<String>,
     pub problems: Vec<String>,
     /// Expected time of all grasps.
@@ -99,7 +99,7 @@ impl Found {
 
     /// Returns the bounds of the object in the hand frame of the first grasp, m.
     fn held(&self) -> Option<Aabb> {
-        let pose = self.poses.first().map(GraspPose::object_in_hand)?;
+        let pose = self.poses.first().map(Pose::object_in_hand)?;
         Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
 

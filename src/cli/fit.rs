@@ -2,11 +2,11 @@
 
 use super::console::Console;
 use super::{Format, NOT_HELD, OK};
-use crate::error::{Error, Result};
-use crate::files::atomic::{create_dir, write_atomic};
-use crate::fit::{self, Curve, Ranges, chart};
-use crate::limits::machine_threads;
-use crate::scene::load_object;
+use base::error::{Error, Result};
+use base::files::atomic::{create_dir, write_atomic};
+use bench::fit::{self, Curve, Ranges, chart};
+use base::machine::machine_threads;
+use scene::load_object;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::time::Duration;

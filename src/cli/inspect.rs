@@ -2,11 +2,11 @@
 
 use super::console::Console;
 use super::{Format, NOT_HELD, OK};
-use crate::dataset::DataSet;
-use crate::dataset::inspect::{self, Inspection, Thinning};
-use crate::error::Result;
-use crate::files::atomic::create_dir;
-use crate::number::counted;
+use dataset::DataSet;
+use dataset::inspect::{self, Inspection, Thinning};
+use base::error::Result;
+use base::files::atomic::create_dir;
+use base::number::counted;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -83,7 +83,7 @@ fn render(set: &DataSet, found: &Inspection) -> String {
             let _ = writeln!(out, "{} grasp {} ({}): {}", o.name, f.grasp, counted(f.frames, "frame"), f.reason);
         });
     }
-    let (s, t) = (&set.splits, |poses: &crate::dataset::split::Poses| set.select(poses).len());
+    let (s, t) = (&set.splits, |poses: &dataset::split::Poses| set.select(poses).len());
     let _ =
         writeln!(out, "\nsplit of the poses (reached grasps): {} train, {} test", t(&s.poses.train), t(&s.poses.test));
     for damage in &found.damaged {

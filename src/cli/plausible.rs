@@ -1,13 +1,13 @@
 //! Plausibility checks of loads and computing times: they detect wrong units or digits before a run.
 
-use crate::geometry::Aabb;
-use crate::gripper::GraspPose;
-use crate::model::Model;
-use crate::model::accuracy::indentation;
-use crate::number::{rounded, shown};
-use crate::record::pad_name;
-use crate::run::effort::{ExpectedTime, steps};
-use crate::scene::{Loading, Scene};
+use geometry::Aabb;
+use geometry::Pose;
+use model::Model;
+use model::accuracy::indentation;
+use base::number::{rounded, shown};
+use record::pad_name;
+use world::run::effort::{ExpectedTime, steps};
+use scene::{Loading, Scene};
 use indicatif::HumanDuration;
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ const THROUGH: f64 = 2.0;
 
 /// Returns a sentence for each implausible property of a scene: a force that presses the object through a pad in the
 /// grasp at `pose`, and a grasp that takes more than a day.
-pub(super) fn implausible(scene: &Scene, model: &Model, pose: &GraspPose, expected: &ExpectedTime) -> Vec<String> {
+pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &ExpectedTime) -> Vec<String> {
     let sides = if model.alike() { 1 } else { model.fingers.len() };
     let mut all: Vec<String> = (0..sides).filter_map(|side| overload(scene, model, side, pose)).collect();
     if expected.grasp_s > LONGEST {
@@ -36,7 +36,7 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &GraspPose, expect
 
 /// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`THROUGH`]
 /// thicknesses.
-fn overload(scene: &Scene, model: &Model, side: usize, pose: &GraspPose) -> Option<String> {
+fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<String> {
     let force = match &scene.loading {
         Loading::Squeeze(squeeze) => squeeze.force.get(),
         Loading::Dynamic(_) => model.dynamics.as_ref()?.rated_force,

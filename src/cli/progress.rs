@@ -1,10 +1,10 @@
 //! Observer of running grasps that advances a progress bar.
 
 use super::console::Console;
-use crate::error::Result;
-use crate::number::shown;
-use crate::record::Frame;
-use crate::run::{Observer, Outcome};
+use base::error::Result;
+use base::number::shown;
+use record::Frame;
+use world::run::{Observer, Outcome};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;

@@ -2,9 +2,9 @@
 
 use super::console::Console;
 use super::{Format, OK};
-use crate::error::Result;
-use crate::files::atomic::{create_dir, write_atomic};
-use crate::report::{FRAMES, Wishes, report};
+use base::error::Result;
+use base::files::atomic::{create_dir, write_atomic};
+use report::{FRAMES, Wishes, report};
 use serde_json::json;
 use std::path::PathBuf;
 

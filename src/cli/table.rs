@@ -1,17 +1,17 @@
 //! Text report of a run.
 
-use crate::gripper::GraspPose;
-use crate::judge::Verdict;
-use crate::mech::path::continuation::Methods;
-use crate::number::shown;
-use crate::record::RunReport;
-use crate::run::Outcome;
-use crate::scene::{Expectation, Scene, StepperChoice};
-use crate::simulate::Simulated;
+use geometry::Pose;
+use model::judge::Verdict;
+use mech::path::continuation::Methods;
+use base::number::shown;
+use record::RunReport;
+use world::run::Outcome;
+use scene::{Expectation, Scene, StepperChoice};
+use backend::simulate::Simulated;
 use std::fmt::Write;
 
 /// Renders the heading, a row per grasp, the expectations and the profile.
-pub fn render(scene: &Scene, grasps: &[(usize, GraspPose)], simulated: &Simulated) -> String {
+pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &Simulated) -> String {
     let Simulated { outcomes, held, report, wall_s } = simulated;
     let mut out = String::new();
     // Writing to a String cannot fail, so the results below are ignored.
@@ -47,7 +47,7 @@ fn plural(n: usize) -> &'static str {
     if n == 1 { "" } else { "s" }
 }
 
-fn rows(out: &mut String, grasps: &[(usize, GraspPose)], outcomes: &[Outcome]) {
+fn rows(out: &mut String, grasps: &[(usize, Pose)], outcomes: &[Outcome]) {
     out.push_str(
         "grasp  status      frames  force N  travel mm  stress kPa   gap um  min det F  balance  iterations  time s\n",
     );

@@ -4,10 +4,10 @@
 use super::console::Console;
 use super::run::{RunArgs, refused, run};
 use super::{Format, OK};
-use crate::error::{Error, Result};
-use crate::files::lock::is_held;
-use crate::report::{FRAMES, Wishes, holds_results};
-use crate::view::Viewer;
+use base::error::{Error, Result};
+use base::files::lock::is_held;
+use report::{FRAMES, Wishes, holds_results};
+use report::view::Viewer;
 use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! Arrays of an object's file with one row per grasp: names, shapes, types, units.
 
-use crate::error::Result;
-use crate::model::Model;
-use crate::observe::ArraySpec;
-use crate::record::names;
+use base::error::Result;
+use model::Model;
+use model::observe::ArraySpec;
+use record::names;
 
 /// Version of the layout; a reader rejects other versions.
 pub const FORMAT: u64 = 3;
@@ -207,7 +207,7 @@ arrays! {
     MinDetF (names::MIN_DET_F) F64 s [s.frames] "1" "smallest det F in any element";
     MinGap (names::MIN_GAP) F64 s [s.frames] "m" "smallest gap between pads and object";
     NewtonIterations (names::NEWTON_ITERATIONS) U32 s [s.frames] "1" "Newton iterations of the frame";
-    GraspPose (names::GRASP_POSE) F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
+    Pose (names::GRASP_POSE) F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
     RecordedFrames "recorded_frames" U32 s [] "1" "valid frames of the grasp: the first so many";
     Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped";
     Reason "reason"         U8  s [REASON] "text" "why the grasp was not reached, UTF-8, padded with zeros";

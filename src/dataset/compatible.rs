@@ -6,9 +6,9 @@
 //! i of the right pad is then stored as the node at the mirrored position, and the undeformed shapes of the loader are
 //! correct.
 
-use crate::geometry::mesh::TetMesh;
-use crate::record::{ElementNodes, PadTopology};
-use crate::scene::Placement;
+use geometry::mesh::TetMesh;
+use record::{ElementNodes, PadTopology};
+use scene::Placement;
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 

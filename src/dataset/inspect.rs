@@ -3,10 +3,10 @@
 use super::manifest::FailedGrasp;
 use super::reader::{ObjectFile, StoredGrasp};
 use super::set::{DataSet, hash};
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
-use crate::record::{Frame, PadFrame, Wrench};
-use crate::render::{self, Style};
+use base::error::{Error, Result};
+use geometry::Pose;
+use record::{Frame, PadFrame, Wrench};
+use record::render::{self, Style};
 use glam::DVec3;
 use serde::Serialize;
 use std::path::Path;
@@ -204,7 +204,7 @@ pub fn frame(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> Frame {
             ..PadFrame::default()
         }
     };
-    let object = GraspPose::from_row(&grasp.object_pose[7 * k..]);
+    let object = Pose::from_row(&grasp.object_pose[7 * k..]);
     Frame {
         index: k,
         applied_force: grasp.force[k],

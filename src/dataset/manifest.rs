@@ -3,11 +3,11 @@
 use super::arrays::FORMAT;
 use super::places::Seal;
 use super::progress::Finished;
-use crate::error::{Error, Result};
-use crate::files::atomic::write_durable;
-use crate::judge::Verdict;
-use crate::record::Status;
-use crate::scene::Name;
+use base::error::{Error, Result};
+use base::files::atomic::write_durable;
+use model::judge::Verdict;
+use record::Status;
+use scene::Name;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

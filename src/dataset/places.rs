@@ -2,7 +2,7 @@
 //! have one in the manifest, so that a reader verifies what it reads without reading the whole file.
 
 use super::arrays::{FileSizes, RowLayout, RowName};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use hdf5_pure::{File, Layout};
 use serde::{Deserialize, Serialize};
 use std::io::{Read, Seek, SeekFrom};

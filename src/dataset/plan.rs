@@ -4,15 +4,15 @@
 use super::arrays::{FileSizes, REASON};
 use super::manifest::ObjectEntry;
 use super::split::Splits;
-use crate::error::{Error, Result};
-use crate::geometry::Aabb;
-use crate::geometry::mesh::TriMesh;
-use crate::grasp::{aim_notice, grasps_of, object_of};
-use crate::gripper::GraspPose;
-use crate::interrupt;
-use crate::model::Model;
-use crate::part::object;
-use crate::scene::{Field, Loading, NamedScene, Scene, to_ron};
+use base::error::{Error, Result};
+use geometry::Aabb;
+use geometry::mesh::TriMesh;
+use model::grasp::{aim_notice, grasps_of, object_of};
+use geometry::Pose;
+use base::interrupt;
+use model::Model;
+use model::part::object;
+use scene::{Field, Loading, NamedScene, Scene, to_ron};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(super) struct Planned {
     pub named: NamedScene,
-    pub poses: Vec<GraspPose>,
+    pub poses: Vec<Pose>,
     pub sizes: FileSizes,
     pub file: PathBuf,
     /// Upper bound of the total size of the object's files, bytes.
@@ -84,7 +84,7 @@ impl Planned {
 }
 
 /// Function that returns a score for each grasp of a scene.
-pub type Score<'a> = dyn Fn(&Scene, &[GraspPose]) -> Result<Vec<f64>> + Sync + 'a;
+pub type Score<'a> = dyn Fn(&Scene, &[Pose]) -> Result<Vec<f64>> + Sync + 'a;
 
 /// Selection of the grasps of a data set with the largest scores.
 pub struct Selection<'a> {
@@ -148,7 +148,7 @@ fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
 
 /// Hashes everything that determines the content.
 pub(super) fn plan_hash<'a>(
-    objects: impl Iterator<Item = (&'a NamedScene, &'a [GraspPose])>,
+    objects: impl Iterator<Item = (&'a NamedScene, &'a [Pose])>,
     splits: &Splits,
 ) -> Result<String> {
     let mut hasher = blake3::Hasher::new();

@@ -1,9 +1,9 @@
 //! Records of the finished grasps: one small file each, written atomically after the rows of the grasp.
 
-use crate::error::{Error, Result};
-use crate::files::atomic::{create_dir, write_durable};
-use crate::judge::Verdict;
-use crate::record::Status;
+use base::error::{Error, Result};
+use base::files::atomic::{create_dir, write_durable};
+use model::judge::Verdict;
+use record::Status;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Parallel processing of the objects of a data set, longest first, so that all threads are busy until the end.
 
-use crate::error::Result;
+use base::error::Result;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -42,7 +42,7 @@ pub fn longest_first<T: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Error;
+    use base::error::Error;
 
     #[test]
     fn every_object_runs_once_the_longest_first_and_the_last_has_all_threads() {

@@ -4,12 +4,12 @@ use super::arrays::{ARRAYS, FORMAT, FileSizes, RowName, TactileLayout};
 use super::file::TACTILE;
 use super::places::Places;
 use super::rows::checksum;
-use crate::error::{Error, Result};
-use crate::geometry::mesh::TriMesh;
-use crate::gripper::GraspPose;
-use crate::number::counted;
-use crate::record::{ElementNodes, PadTopology, TactileArray, names};
-use crate::scene::{from_ron, place_in};
+use base::error::{Error, Result};
+use geometry::mesh::TriMesh;
+use geometry::Pose;
+use base::number::counted;
+use record::{ElementNodes, PadTopology, TactileArray, names};
+use scene::{from_ron, place_in};
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use std::collections::HashMap;
@@ -25,12 +25,12 @@ pub struct ObjectFile {
     pub name: String,
     /// Sizes that determine all shapes.
     pub sizes: FileSizes,
-    /// Scene with all defaults, RON, from which [`crate::model::Model::build`] builds the same model.
+    /// Scene with all defaults, RON, from which [`model::Model::build`] builds the same model.
     pub scene: String,
     /// Meshes of the pads, left first, pad frame: reference positions, tetrahedra, faces.
     pub pads: Vec<PadTopology>,
     /// Pose of each pad in the hand at zero travel: `x_hand = rotation * x_pad + position`.
-    pub pad_poses: Vec<GraspPose>,
+    pub pad_poses: Vec<Pose>,
     /// Closing direction of each finger, hand frame.
     pub closing: Vec<DVec3>,
     /// Surface of the object, object frame, m.
@@ -173,18 +173,18 @@ impl ObjectFile {
         if let (Some(own), true) = (meshes.get_mut(1), file.group(right).is_ok()) {
             *own = mesh(right)?;
         }
-        meshes.iter().enumerate().try_for_each(|(i, pad)| crate::record::check::topology(i, pad)).map_err(fail)?;
+        meshes.iter().enumerate().try_for_each(|(i, pad)| record::check::topology(i, pad)).map_err(fail)?;
         let object = TriMesh {
             vertices: points(&format!("object/{}", names::VERTICES))?,
             triangles: triangles("object/triangles")?,
         };
-        crate::record::check::object(&object).map_err(fail)?;
+        record::check::object(&object).map_err(fail)?;
         let (pad_poses, closing) = (
             doubles(&format!("{left}/{}", names::PAD_POSE))?
                 .as_chunks::<7>()
                 .0
                 .iter()
-                .map(|v| GraspPose::from_row(v))
+                .map(|v| Pose::from_row(v))
                 .collect::<Vec<_>>(),
             points(&format!("{left}/{}", names::CLOSING))?,
         );
@@ -288,7 +288,7 @@ impl ObjectFile {
             object_load: doubles(RowName::ObjectLoad),
             wrench: doubles(RowName::Wrench),
             tactile: self.sizes.tactile.iter().zip(&rows[ARRAYS.len()..]).map(tactile).collect(),
-            grasp_pose: row(RowName::GraspPose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+            grasp_pose: row(RowName::Pose).as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
             reason: String::from_utf8_lossy(reason).into_owned(),
         }
     }

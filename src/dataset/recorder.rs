@@ -4,13 +4,13 @@ use super::file::Writer;
 use super::progress::{Finished, Progress};
 use super::rows::{Encoder, GraspRows};
 use super::sampling::Sampling;
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
-use crate::judge::evaluate;
-use crate::model::Model;
-use crate::record::{self, Frame, PadTopology};
-use crate::run::{Observer, Outcome};
-use crate::scene::{Expectation, NamedScene};
+use base::error::{Error, Result};
+use geometry::Pose;
+use model::judge::evaluate;
+use model::Model;
+use record::{self, Frame, PadTopology};
+use world::run::{Observer, Outcome};
+use scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -31,7 +31,7 @@ impl Watcher for () {}
 pub struct DatasetRecorder<'a> {
     name: &'a str,
     expect: Vec<Expectation>,
-    poses: &'a [GraspPose],
+    poses: &'a [Pose],
     topologies: Vec<&'a PadTopology>,
     /// Map to the pads of the scene, if a finer mesh is simulated.
     sampling: Option<Sampling>,
@@ -48,7 +48,7 @@ impl<'a> DatasetRecorder<'a> {
     /// nodes of the model `recorded`.
     pub fn new(
         object: &'a NamedScene,
-        poses: &'a [GraspPose],
+        poses: &'a [Pose],
         [simulated, recorded]: [&'a Arc<Model>; 2],
         (encoder, writer): (Encoder, Writer),
         progress: &'a Progress,

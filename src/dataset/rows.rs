@@ -2,9 +2,9 @@
 
 use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
-use crate::gripper::GraspPose;
-use crate::model::Model;
-use crate::record::{Frame, PadTopology, Status};
+use geometry::Pose;
+use model::Model;
+use record::{Frame, PadTopology, Status};
 use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
@@ -38,9 +38,9 @@ impl Encoder {
     }
 
     /// Returns empty rows of a grasp at `pose`.
-    pub fn rows(&self, pose: &GraspPose) -> GraspRows {
+    pub fn rows(&self, pose: &Pose) -> GraspRows {
         let mut rows = GraspRows(self.sizes.rows().map(|row| vec![0; row.bytes()]).collect());
-        rows.doubles(RowName::GraspPose, 0, pose_row(pose.position, pose.rotation));
+        rows.doubles(RowName::Pose, 0, pose_row(pose.position, pose.rotation));
         rows
     }
 

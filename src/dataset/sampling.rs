@@ -4,10 +4,10 @@
 //! over the corners of the triangle of the coarser face on which it acts, which preserves the resultant force and its
 //! moment about the face.
 
-use crate::distance::fields::Stencils;
-use crate::geometry::face_lookup::FaceLookup;
-use crate::model::Model;
-use crate::record::{Frame, PadFrame, PadTopology};
+use record::distance::fields::Stencils;
+use geometry::face_lookup::FaceLookup;
+use model::Model;
+use record::{Frame, PadFrame, PadTopology};
 use glam::DVec3;
 use std::sync::Arc;
 

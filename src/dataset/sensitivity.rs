@@ -4,15 +4,15 @@
 //! The table has one row per change of a grasp, after a first line with the plan of the data set. An interrupted run is
 //! resumed at the next object.
 
-use crate::error::{Error, Result};
-use crate::files::atomic::{cannot_write, write_durable};
-use crate::gripper::GraspPose;
-use crate::model::Model;
-use crate::record::sensitivity::{Change, Moved};
-use crate::run::run_grasps;
-use crate::run::sensitivity::{Ends, LastFrames, sensitivity};
-use crate::scene::NamedScene;
-use crate::world::Choose;
+use base::error::{Error, Result};
+use base::files::atomic::{cannot_write, write_durable};
+use geometry::Pose;
+use model::Model;
+use record::sensitivity::{Change, Moved};
+use world::run::run_grasps;
+use world::run::sensitivity::{Ends, LastFrames, sensitivity};
+use scene::NamedScene;
+use world::Choose;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -29,7 +29,7 @@ pub struct SensitivityRow {
     /// Change that was made.
     pub change: Change,
     /// Status of the grasp with the change.
-    pub status: crate::record::Status,
+    pub status: record::Status,
     /// Difference of the displacements of both pads over their norm; None unless both grasps were reached.
     pub displacement: Option<f64>,
     /// Additional displacement of the object, m; None unless both grasps were reached.
@@ -60,7 +60,7 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
 pub fn add(
     (dir, plan): (&Path, &str),
     table: &mut Vec<SensitivityRow>,
-    (object, poses): (&NamedScene, &[GraspPose]),
+    (object, poses): (&NamedScene, &[Pose]),
     choose: Choose,
     threads: usize,
 ) -> Result<()> {

@@ -17,7 +17,7 @@
 use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;
 use super::split::{Poses, Splits};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 

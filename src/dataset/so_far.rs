@@ -4,7 +4,7 @@ use super::campaign::{PROGRESS, open};
 use super::manifest::ObjectEntry;
 use super::progress::{Finished, Progress};
 use super::reader::ObjectFile;
-use crate::error::Result;
+use base::error::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Splits of the poses of objects into training and test sets, by a seed.
 
-use crate::random::Random;
-use crate::scene::Split;
+use base::random::Random;
+use scene::Split;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -1,9 +1,9 @@
 //! Actions of an agent: numbers from -1 to 1; values outside are clamped.
 
-use crate::gripper::GraspPose;
-use crate::observe::ArraySpec;
-use crate::scene::Task;
-use crate::scene::task::Control;
+use geometry::Pose;
+use model::observe::ArraySpec;
+use scene::Task;
+use scene::task::Control;
 use glam::{DQuat, DVec3};
 
 /// Decoded action.
@@ -45,6 +45,6 @@ pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
 }
 
 /// Returns the hand pose of a new grasp: `first` shifted in hand axes (m) and rotated about `center` (hand frame, m).
-pub fn regrasped(first: &GraspPose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> GraspPose {
+pub fn regrasped(first: &Pose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> Pose {
     super::draw::moved_hand(first, center, shift, turn)
 }

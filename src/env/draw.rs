@@ -1,9 +1,9 @@
 //! Domain randomisation: episode parameters that depend on (seed, environment, episode) alone.
 
 use super::load::{Push, pushes};
-use crate::gripper::GraspPose;
-use crate::random::Random;
-use crate::scene::Task;
+use geometry::Pose;
+use base::random::Random;
+use scene::Task;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -35,7 +35,7 @@ pub struct Draw {
     /// Index of its variant.
     pub variant: usize,
     /// Pose of the hand in the object frame.
-    pub pose: GraspPose,
+    pub pose: Pose,
     /// Density of the object, kg/m3; None uses that of the scene.
     pub density: Option<f64>,
     /// Pushes, in temporal order.
@@ -43,7 +43,7 @@ pub struct Draw {
 }
 
 /// Candidate grasps of each object.
-pub type Choices<'a> = &'a [&'a [GraspPose]];
+pub type Choices<'a> = &'a [&'a [Pose]];
 
 /// Draws the parameters of an episode. `center` is the midpoint between the pads, hand frame, m.
 pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -> Draw {
@@ -64,8 +64,8 @@ pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -
 }
 
 /// Returns the hand pose `pose`, shifted in hand axes (m) and rotated about `center` (hand frame, m).
-pub fn moved_hand(pose: &GraspPose, center: DVec3, shift: DVec3, turn: DQuat) -> GraspPose {
-    GraspPose {
+pub fn moved_hand(pose: &Pose, center: DVec3, shift: DVec3, turn: DQuat) -> Pose {
+    Pose {
         position: pose.position + pose.rotation * (center + shift - turn * center),
         rotation: (pose.rotation * turn).normalize(),
     }

@@ -8,16 +8,16 @@ use super::reward::StepInfo;
 use super::shared::EnvShared;
 use super::slip;
 use super::snapshot::Snapshot;
-use crate::error::{self, Error};
-use crate::gripper::GraspPose;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::model::Model;
-use crate::observe::Now;
-use crate::record::Frame;
-use crate::render::Pixmap;
-use crate::world::components::ObjectWeight;
-use crate::world::environment::Environment;
-use crate::world::schedule::{ForceCommand, Phase, Stop};
+use base::error::{self, Error};
+use geometry::Pose;
+use base::history::{HistoryReader, HistoryWriter};
+use model::Model;
+use model::observe::Now;
+use record::Frame;
+use record::render::Pixmap;
+use world::components::ObjectWeight;
+use world::environment::Environment;
+use world::schedule::{ForceCommand, Phase, Stop};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -96,7 +96,7 @@ impl Env {
     ///
     /// # Errors
     /// Fails if no episode is running, or if its state cannot be drawn.
-    pub fn picture(&self, shared: &EnvShared) -> crate::error::Result<Pixmap> {
+    pub fn picture(&self, shared: &EnvShared) -> base::error::Result<Pixmap> {
         let none = || Error::Start("there is no episode to draw; reset the environment".into());
         let run = self.run.as_ref().ok_or_else(none)?;
         let title = format!("{}, step {}", shared.kinds[run.draw.object].name, run.step);
@@ -257,7 +257,7 @@ impl EpisodeKey {
 }
 
 /// Creates a world and closes its hand at `pose` with `force` (N, sum over the fingers).
-fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: GraspPose, force: f64) -> Result<(Environment, Frame), Stop> {
+fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Result<(Environment, Frame), Stop> {
     let mut environment = shared.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),

@@ -1,10 +1,10 @@
 //! Identity of the environments of a scene: a hash of everything that affects an episode, independent of file names.
 
 use super::shared::ObjectKind;
-use crate::error::{Error, Result};
-use crate::net::network::card::WEIGHTS;
-use crate::net::network::shipped;
-use crate::scene::{Fem, Gnn, Pads, Scene, StepperChoice, Task};
+use base::error::{Error, Result};
+use net::network::card::WEIGHTS;
+use net::network::shipped;
+use scene::{Fem, Gnn, Pads, Scene, StepperChoice, Task};
 use glam::DVec3;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! Loads on the object: its weight, once the support is removed, and pushes.
 
-use crate::random::Random;
-use crate::scene::Task;
+use base::random::Random;
+use scene::Task;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};

@@ -1,9 +1,9 @@
 //! Pictures of an environment, like those of `tactus run`.
 
-use crate::error::Result;
-use crate::model::Model;
-use crate::record::{Frame, PadTopology};
-use crate::render::{Pixmap, Scalar, Style, render_pads};
+use base::error::Result;
+use model::Model;
+use record::{Frame, PadTopology};
+use record::render::{Pixmap, Scalar, Style, render_pads};
 
 /// Renders the pads of `frame`, coloured by stress if the task computes it, otherwise by displacement.
 pub(crate) fn picture(model: &Model, frame: &Frame, title: String) -> Result<Pixmap> {

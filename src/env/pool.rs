@@ -1,6 +1,6 @@
 //! Thread pool of a batch. A forked process does not inherit threads, so it starts its own.
 
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 
 /// Thread pool that is recreated after a fork.
 pub(crate) struct Pool {

@@ -3,16 +3,16 @@
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
 use super::reward::{Custom, StepInfo};
-use crate::backend::choose;
-use crate::error::{Error, Result};
-use crate::grasp::poses_of;
-use crate::gripper::GraspPose;
-use crate::model::Model;
-use crate::observe::{Sense, SensedHand};
-use crate::scene::leaf::{Count, NonNegative, Positive};
-use crate::scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
-use crate::world::Stepper;
-use crate::world::environment::Environment;
+use backend::choose;
+use base::error::{Error, Result};
+use model::grasp::poses_of;
+use geometry::Pose;
+use model::Model;
+use model::observe::{Sense, SensedHand};
+use scene::leaf::{Count, NonNegative, Positive};
+use scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
+use world::Stepper;
+use world::environment::Environment;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,7 +24,7 @@ pub struct ObjectKind {
     /// Models with this object, one per combination of gel and friction.
     pub variants: Vec<Variant>,
     /// Candidate grasp poses.
-    pub poses: Vec<GraspPose>,
+    pub poses: Vec<Pose>,
 }
 
 /// Combination of gel stiffness and friction coefficient.
@@ -101,7 +101,7 @@ impl EnvShared {
 
     /// Draws the parameters of an episode; `attempt` counts infeasible starts.
     pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> Draw {
-        let choices: Vec<&[GraspPose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
+        let choices: Vec<&[Pose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
 
@@ -114,7 +114,7 @@ impl EnvShared {
     ///
     /// # Errors
     /// Fails as [`Environment::new`] does.
-    pub fn environment(&self, model: &Arc<Model>, pose: GraspPose) -> Result<Environment> {
+    pub fn environment(&self, model: &Arc<Model>, pose: Pose) -> Result<Environment> {
         let stepper = self.stepper.as_ref();
         let known = {
             let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,10 +136,10 @@ impl EnvShared {
     }
 
     /// Returns the weight of the object with the hand at `pose`, N, hand frame.
-    pub fn weight(&self, draw: &Draw, pose: &GraspPose) -> DVec3 {
+    pub fn weight(&self, draw: &Draw, pose: &Pose) -> DVec3 {
         let model = &self.variant(draw).model;
         let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
-        pose.object_in_hand().rotation * self.gravity * mass
+        pose.inverse().rotation * self.gravity * mass
     }
 
     /// Returns the point midway between the pads, hand frame, m.

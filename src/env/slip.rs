@@ -1,8 +1,8 @@
 //! Grasp quality: slip of the object over the pads, and friction margin of the grip.
 
-use crate::linear::limit_surface::LimitSurface;
-use crate::model::Model;
-use crate::record::Frame;
+use net::linear::limit_surface::LimitSurface;
+use model::Model;
+use record::Frame;
 use glam::DVec3;
 
 /// Returns the fraction of the friction limit that `load` (N, hand frame, at the object's centre of mass) leaves

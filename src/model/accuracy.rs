@@ -8,19 +8,19 @@
 //! the pad, pressed onto the object's profile by the final force, or to the final depth. The number of layers follows
 //! from the spacing: its influence is small. docs/verification.md compares the formula with mesh refinement sequences.
 
-use crate::error::Result;
-use crate::geometry::Aabb;
-use crate::geometry::pad::{Resolution, dome};
-use crate::geometry::shape::Shape;
+use base::error::Result;
+use geometry::Aabb;
+use geometry::pad::{Resolution, dome};
+use geometry::shape::Shape;
 use crate::grasp::{object_of, poses_of};
-use crate::gripper::GraspPose;
+use geometry::Pose;
 use crate::gripper::Hand;
-use crate::number::{rounded, shown};
+use base::number::{rounded, shown};
 use crate::part::{object, pad};
-use crate::record::pad_name;
-use crate::scene::leaf::{Length, Ratio};
-use crate::scene::pad::GelShape;
-use crate::scene::{Fingers, Loading, Pads, Scene, motion};
+use record::pad_name;
+use scene::leaf::{Length, Ratio};
+use scene::pad::GelShape;
+use scene::{Fingers, Loading, Pads, Scene, motion};
 use glam::{DVec2, DVec3};
 
 /// Relative error of the displacement over `h^2 / (l t)`, fitted to the mesh refinement sequences of
@@ -113,7 +113,7 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
 /// Returns the indentation of the pad of finger `side` at `pose` under the largest load, by the Winkler foundation, m;
 /// None for a pad without contact, or which starts inside the object. `size` is the size of the pad along x, y and z,
 /// m. The gel stiffens under compression, so that beyond a few tenths of the thickness the result is an upper bound.
-pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &GraspPose) -> Option<f64> {
+pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &Pose) -> Option<f64> {
     let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
     let bed = Bed::of(&own, size);
     let gaps = bed.gaps(object, pose, *closing(scene).get(side)?)?;
@@ -195,7 +195,7 @@ impl Bed {
     }
 
     /// Returns the patches of a grasp; none for a pad without contact, or which starts inside the object.
-    fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &GraspPose) -> Vec<Patch> {
+    fn patches(&self, scene: &Scene, object: &Shape, grasp: usize, pose: &Pose) -> Vec<Patch> {
         let of = |(side, closing): (usize, &DVec3)| {
             let (size, reach) = self.patch(&self.gaps(object, pose, *closing)?)?;
             Some(Patch { grasp, side, size, reach })
@@ -205,9 +205,9 @@ impl Bed {
 
     /// Returns the distances of the samples of the open pad from the object along `closing`, m, infinite if the ray
     /// misses; None for a pad that starts inside the object.
-    fn gaps(&self, object: &Shape, pose: &GraspPose, closing: DVec3) -> Option<Vec<f64>> {
+    fn gaps(&self, object: &Shape, pose: &Pose, closing: DVec3) -> Option<Vec<f64>> {
         let gap = |(start, sunk): (DVec3, &f64)| {
-            let start = pose.to_object(start);
+            let start = pose.transform(start);
             if object.distance.distance(start) < 0.0 {
                 return None;
             }
@@ -273,7 +273,7 @@ mod tests {
     use super::*;
 
     fn bed(load: Load) -> Bed {
-        let hand = Hand::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, &crate::scene::Gripper::default());
+        let hand = Hand::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, &scene::Gripper::default());
         Bed { hand, half: DVec2::new(12e-3, 10e-3), sunk: Vec::new(), load }
     }
 

@@ -1,10 +1,10 @@
 //! Data of a dynamic scene in addition to those of a quasi-static one.
 
-use crate::geometry::shape::Shape;
-use crate::gripper::GraspPose;
-use crate::mech::contact::law::ContactLaw;
-use crate::scene::motion::{self, HandState, Motion, Stage};
-use crate::scene::{Ground, Loading, Scene};
+use geometry::shape::Shape;
+use geometry::Pose;
+use mech::contact::law::ContactLaw;
+use scene::motion::{self, HandState, Motion, Stage};
+use scene::{Ground, Loading, Scene};
 use glam::DVec3;
 
 /// Time step, motions, gravity and ground. The world frame is the object frame at the start of the grasp.
@@ -64,7 +64,7 @@ impl Dynamics {
         let squeezes = motion::squeezes(&dynamic.motions);
         let time_step = dynamic.time_step.get();
         let placement = scene.gripper.placement;
-        let vector = |v: Option<crate::scene::vector::Vec3>| v.map_or(DVec3::ZERO, |v| v.dvec3());
+        let vector = |v: Option<scene::vector::Vec3>| v.map_or(DVec3::ZERO, |v| v.dvec3());
         Some(Self {
             time_step,
             gravity,
@@ -103,7 +103,7 @@ impl Dynamics {
     }
 
     /// Returns the state of the hand at `time` (s) of a grasp that starts at `pose`.
-    pub fn hand(&self, pose: &GraspPose, time: f64) -> HandState {
+    pub fn hand(&self, pose: &Pose, time: f64) -> HandState {
         let start = HandState { position: pose.position, rotation: pose.rotation, force: 0.0 };
         motion::follow(&self.motions, &start, time, &self.stage)
     }

@@ -1,6 +1,6 @@
 //! Requirements of a scene: nothing is spawned, computed or solved for unless the scene requires it.
 
-use crate::scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Observe, Scene};
+use scene::{Expectation, Field, Fingers, Loading, ObjectMotion, Observe, Scene};
 use serde::Serialize;
 
 /// Optional parts of the world, present only if the scene requires them.

@@ -1,14 +1,14 @@
 //! Pads of a scene, meshed and placed on its fingers: one mesh for both, or one for each.
 
 use super::accuracy;
-use crate::error::{Error, Result};
-use crate::geometry::shape::Shape;
+use base::error::{Error, Result};
+use geometry::shape::Shape;
 use crate::limits::{self, PadSize};
-use crate::mech::contact::law::ContactLaw;
-use crate::mech::material::{FixedCorotated, Linear, Material, NeoHookean};
+use mech::contact::law::ContactLaw;
+use mech::material::{FixedCorotated, Linear, Material, NeoHookean};
 use crate::part::{FingerModel, pad};
-use crate::scales;
-use crate::scene::{self, Fingers, MaterialSpec, Scene};
+use base::scales;
+use scene::{self, Fingers, MaterialSpec, Scene};
 use std::sync::Arc;
 
 /// Pads of a scene.

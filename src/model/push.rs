@@ -1,6 +1,6 @@
 //! Push on a squeezed object.
 
-use crate::scene::loading::ObjectPush;
+use scene::loading::ObjectPush;
 use glam::{DQuat, DVec3};
 
 /// Dead load of a push, and the fraction of it in each frame.

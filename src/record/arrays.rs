@@ -6,9 +6,9 @@
 
 use super::frame::{Frame, PadTopology};
 use super::{TactileArray, names};
-use crate::error::{Error, Result};
-use crate::files::atomic::replace_durable;
-use crate::gripper::GraspPose;
+use base::error::{Error, Result};
+use base::files::atomic::replace_durable;
+use geometry::Pose;
 use glam::DVec3;
 use ndarray::{ArrayView, Dimension, ShapeBuilder, StrideShape};
 use ndarray_npy::{NpzWriter, WritableElement};
@@ -54,7 +54,7 @@ impl GraspArrays {
     ///
     /// # Errors
     /// Fails if linear and quadratic pads are mixed.
-    pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[GraspPose]) -> Result<Self> {
+    pub fn new(path: PathBuf, topologies: &[PadTopology], poses: &[Pose]) -> Result<Self> {
         let width = topologies.first().map_or(4, |t| t.elements.width());
         if topologies.iter().any(|t| t.elements.width() != width) {
             return Err(Error::file(
@@ -65,7 +65,7 @@ impl GraspArrays {
         let mut arrays = GraspArrays {
             path,
             pads: topologies.len(),
-            pad_pose: poses.iter().flat_map(GraspPose::row).collect(),
+            pad_pose: poses.iter().flat_map(Pose::row).collect(),
             rest: Vec::new(),
             tets: Vec::new(),
             tet_width: width,

@@ -3,7 +3,7 @@
 
 use super::frame::{Frame, PadFrame, PadTopology, pad_name};
 use super::tactile::TactileArray;
-use crate::geometry::mesh::TriMesh;
+use geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::borrow::Borrow;
 

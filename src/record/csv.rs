@@ -3,8 +3,8 @@
 use super::ErrorBound;
 use super::frame::{Frame, pad_name};
 use super::names;
-use crate::error::Result;
-use crate::files::atomic::cannot_write;
+use base::error::Result;
+use base::files::atomic::cannot_write;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

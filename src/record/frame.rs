@@ -3,7 +3,7 @@
 //! All quantities are in the hand frame and in SI units unless stated otherwise.
 
 use super::{ErrorBound, TactileArray};
-use crate::geometry::mesh::quality::EDGES;
+use geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;

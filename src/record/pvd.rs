@@ -1,7 +1,7 @@
 //! ParaView collection (`.pvd`): the `.vtu` files of each applied force or time.
 
-use crate::error::Result;
-use crate::files::atomic::write_atomic;
+use base::error::Result;
+use base::files::atomic::write_atomic;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use super::frame::{Frame, Moving, PadFrame, Wrench};
 use super::names;
 use super::report::RunReport;
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
+use base::error::{Error, Result};
+use geometry::Pose;
 use glam::DVec3;
 use ndarray::{Array, Dimension, Ix1, Ix2, Ix3};
 use ndarray_npy::{NpzReader, ReadNpzError};
@@ -62,7 +62,7 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
         own(pad).map(|i| DVec3::new(all[[k, i, 0]], all[[k, i, 1]], all[[k, i, 2]])).collect()
     };
     let numbers = |all: &Array<f64, Ix2>, k: usize, pad: usize| -> Vec<f64> { own(pad).map(|i| all[[k, i]]).collect() };
-    let placed = |all: &Array<f64, Ix2>, k: usize| GraspPose::from_row(&all.row(k).to_vec());
+    let placed = |all: &Array<f64, Ix2>, k: usize| Pose::from_row(&all.row(k).to_vec());
     let frame = |k: usize| {
         let pad = |pad: usize| {
             let part = |at: usize| DVec3::from_array([0, 1, 2].map(|i| wrench[[k, pad, at + i]]));

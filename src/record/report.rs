@@ -3,10 +3,10 @@
 use super::ErrorBound;
 use super::frame::Frame;
 use super::sensitivity::Moved;
-use crate::error::{Error, Result};
-use crate::files::atomic::write_atomic;
-use crate::limits::machine;
-use crate::mech::path::continuation::Methods;
+use base::error::{Error, Result};
+use base::files::atomic::write_atomic;
+use base::machine::machine;
+use mech::path::continuation::Methods;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -5,7 +5,7 @@
 
 use super::frame::{ElementNodes, Frame, PadTopology};
 use super::names;
-use crate::geometry::mesh::TriMesh;
+use geometry::mesh::TriMesh;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use flate2::{Compression, write::ZlibEncoder};
 use glam::DVec3;

@@ -6,17 +6,17 @@ use super::recording::{Errors, RecordedState, Recording};
 use super::run::name;
 use super::source::Wishes;
 use super::unfinished::unfinished;
-use crate::dataset::inspect::{chosen, frame};
-use crate::dataset::{DataSet, Manifest, ObjectFile};
-use crate::error::{Error, Result};
-use crate::net::eval::table::{ErrorRow, ranks, rows};
-use crate::net::eval::{Judged, frames, judge};
-use crate::net::infer::predict::Predictor;
-use crate::net::train::data::split;
-use crate::net::train::sample::model_of;
-use crate::number::counted;
-use crate::record::PadTopology;
-use crate::table::Table;
+use dataset::inspect::{chosen, frame};
+use dataset::{DataSet, Manifest, ObjectFile};
+use base::error::{Error, Result};
+use net::eval::table::{ErrorRow, ranks, rows};
+use net::eval::{Judged, frames, judge};
+use net::infer::predict::Predictor;
+use net::train::data::split;
+use net::train::sample::model_of;
+use base::number::counted;
+use record::PadTopology;
+use base::table::Table;
 use std::path::Path;
 
 /// Relative errors in tables and charts: key in the error rows, displayed name.
@@ -176,7 +176,7 @@ fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, m
     let grasp = file.grasp(error.grasp)?;
     let wanted = chosen(grasp.frames, Some(most));
     let [truth, predicted] = frames::both(file, &model_of(file)?, predictor, &grasp, &wanted)?;
-    let at = |pick: fn(&crate::net::eval::FrameError) -> f64| {
+    let at = |pick: fn(&net::eval::FrameError) -> f64| {
         let of = |k: &usize| judged.frames.iter().find(|f| f.frame == *k).map_or(f64::NAN, pick);
         wanted.iter().map(of).collect()
     };

@@ -3,9 +3,9 @@
 use super::chart::Chart;
 use super::packed::base64;
 use super::recording::Recording;
-use crate::error::{Error, Result};
-use crate::render::colormap::color;
-use crate::table::{Table, escape};
+use base::error::{Error, Result};
+use record::render::colormap::color;
+use base::table::{Table, escape};
 use serde_json::{Value, json};
 
 const FRAME: &str = include_str!("page/page.html");

@@ -4,10 +4,10 @@
 //! itself, closed or unfolded.
 
 use super::packed::{indices, numbers};
-use crate::error::{Error, Result};
-use crate::geometry::mesh::TriMesh;
-use crate::record::{Frame, PadFrame, PadTopology};
-use crate::render::pad_pose;
+use base::error::{Error, Result};
+use geometry::mesh::TriMesh;
+use record::{Frame, PadFrame, PadTopology};
+use record::render::pad_pose;
 use glam::{DMat3, DVec3};
 use serde::Serialize;
 use serde_json::{Value, json};

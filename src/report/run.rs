@@ -3,12 +3,12 @@
 use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
 use super::source::Wishes;
-use crate::dataset::inspect::chosen;
-use crate::error::Result;
-use crate::number::counted;
-use crate::record::{Frame, RunReport, meshes, read};
-use crate::run::grasp_files::directory;
-use crate::table::Table;
+use dataset::inspect::chosen;
+use base::error::Result;
+use base::number::counted;
+use record::{Frame, RunReport, meshes, read};
+use world::run::grasp_files::directory;
+use base::table::Table;
 use std::path::Path;
 
 /// Adds the run in `dir`.

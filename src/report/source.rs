@@ -1,8 +1,8 @@
 //! Detection of the kinds of results in a folder.
 
-use crate::dataset::manifest::MANIFEST;
-use crate::error::{Error, Result};
-use crate::net::train::curves::CURVES;
+use dataset::manifest::MANIFEST;
+use base::error::{Error, Result};
+use net::train::curves::CURVES;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 

@@ -3,10 +3,10 @@
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
-use crate::error::Result;
-use crate::net::network::card::{CARD, Trained};
-use crate::net::train::curves::{self, Epoch};
-use crate::number::counted;
+use base::error::Result;
+use net::network::card::{CARD, Trained};
+use net::train::curves::{self, Epoch};
+use base::number::counted;
 use std::path::Path;
 
 /// Adds the training in `dir`.

@@ -11,7 +11,7 @@ use super::object::{ObjectMotion, ObjectShape, Revolve};
 use super::pad::{BoxPad, DiscPad, GelSightMini, Pads};
 use super::schema::{Scene, ScenePart};
 use super::stepper::{Fem, Solver, StepperChoice};
-use crate::number::shown;
+use base::number::shown;
 use glam::DVec3;
 use std::collections::BTreeSet;
 

@@ -3,7 +3,7 @@
 use super::check;
 use super::objects::Name;
 use super::schema::{Scene, ScenePart};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use ron::extensions::Extensions;
 use serde::Deserialize;
 

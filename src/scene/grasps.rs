@@ -17,7 +17,7 @@ pub enum Grasps {
     #[default]
     Identity,
     /// Poses given in the scene.
-    List(Vec<Pose>),
+    List(Vec<ListedPose>),
     /// Poses from an HDF5 file such as `*_grasps.h5`: positions and quaternions, or 4 x 4 matrices.
     File(GraspFile),
     /// Grasps sampled from the object's surface.
@@ -27,7 +27,8 @@ pub enum Grasps {
 /// Pose of the hand in the object frame. Give `position` or `centre`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Pose {
+#[serde(rename = "Pose")]
+pub struct ListedPose {
     /// Origin of the hand in the object frame, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<Vec3>,
@@ -44,7 +45,7 @@ pub struct Pose {
 /// Number of grasps.
 pub type GraspCount = Count<1, 1000000>;
 
-/// Parameters of grasps sampled from the object's surface, see [`crate::grasp::antipodal`].
+/// Parameters of grasps sampled from the object's surface, see [`model::grasp::antipodal`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Antipodal {

@@ -5,7 +5,7 @@ use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
 use super::material::MaterialChoice;
 use super::pad::{FilePad, Pads};
-use crate::error::Error;
+use base::error::Error;
 use crate::robot::Mounted;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

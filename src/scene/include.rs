@@ -8,8 +8,8 @@ use super::paths;
 use super::places::{Origins, SceneText};
 use super::schema::ScenePart;
 use super::source::{self, SIZE_LIMIT};
-use crate::error::{Error, Result};
-use crate::files::include::may_include;
+use base::error::{Error, Result};
+use base::files::include::may_include;
 use std::path::{Path, PathBuf};
 
 /// Reader of a scene file and of all that it includes.

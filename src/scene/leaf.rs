@@ -4,7 +4,7 @@
 //! number itself; a check of the whole struct could only point at its closing parenthesis. The first line of a refusal
 //! is the message; the others become the `help:` of the printed error.
 
-use crate::number::shown;
+use base::number::shown;
 use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
 

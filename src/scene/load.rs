@@ -7,7 +7,7 @@ use super::objects::{Name, NamedScene, Split};
 use super::places::{FieldPlaces, Origins, SceneText};
 use super::schema::Scene;
 use super::source::{is_stream, shown};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

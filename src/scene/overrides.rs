@@ -4,7 +4,7 @@ use super::dialect::recheck;
 use super::leaf::{Count, Positive};
 use super::schema::Scene;
 use super::stepper::{Condensed, Fem, Gnn, SHIPPED_MODELS, Solver, StepperChoice};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use clap::ValueEnum;
 use std::path::PathBuf;
 

@@ -8,7 +8,7 @@ use super::outline::Outline;
 use super::pad::Pads;
 use super::schema::ScenePart;
 use super::stepper::{SHIPPED_MODELS, StepperChoice};
-use crate::files::regular::other_kind;
+use base::files::regular::other_kind;
 use crate::robot::mount;
 use std::path::{Path, PathBuf};
 

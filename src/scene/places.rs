@@ -3,7 +3,7 @@
 use super::diagnose::Diagnosis;
 use super::objects::Name;
 use super::outline::Outline;
-use crate::error::Error;
+use base::error::Error;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

@@ -2,7 +2,7 @@
 
 use super::leaf::Finite;
 use super::vector::{Tuple, TupleVisitor};
-use crate::number::shown;
+use base::number::shown;
 use glam::{DQuat, EulerRot};
 use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};

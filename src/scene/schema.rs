@@ -42,7 +42,7 @@ pub struct Scene {
     /// construction, see [`Expectation::by_network`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect_network: Option<Vec<Expectation>>,
-    /// Reinforcement learning task in the scene, see [`crate::env`]; a run ignores it.
+    /// Reinforcement learning task in the scene, see [`env`]; a run ignores it.
     pub task: Option<Task>,
 }
 

@@ -1,8 +1,8 @@
 //! Reads the text of a scene file, with the reason for a failure.
 
-use crate::error::{Error, Result};
-pub use crate::files::include::SIZE_LIMIT;
-use crate::files::regular::{other_kind, refusal};
+use base::error::{Error, Result};
+pub use base::files::include::SIZE_LIMIT;
+use base::files::regular::{other_kind, refusal};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -132,7 +132,7 @@ pub struct Tolerance {
     /// Residual force over the force of the loading.
     pub force: Positive,
     /// Largest displacement of any node in the last Newton step, m; by default
-    /// [`DISPLACEMENT_TOLERANCE`](crate::scales::DISPLACEMENT_TOLERANCE) of the contact offset.
+    /// [`DISPLACEMENT_TOLERANCE`](base::scales::DISPLACEMENT_TOLERANCE) of the contact offset.
     pub displacement: Option<Length>,
 }
 

@@ -23,7 +23,7 @@
 //! No entity is despawned and no component is added or removed after the spawn, so that columns stay contiguous and in
 //! spawn order; the defined order is that of the indices, not that of the rows.
 
-use crate::error::Result;
+use base::error::Result;
 use bevy_ecs::component::Component;
 use bevy_ecs::component::Mutable;
 use glam::{DQuat, DVec3};
@@ -117,7 +117,7 @@ components! {
     /// mount, written by the stepper.
     FingerForce(f64);
     /// Weight of a free object, N, hand frame; in the world of an agent, the total load on it. Written at spawn, by the
-    /// stepper if the hand rotates, by [`crate::env`] before a step.
+    /// stepper if the hand rotates, by [`env`] before a step.
     ObjectWeight(DVec3);
 }
 

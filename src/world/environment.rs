@@ -1,14 +1,14 @@
 //! Environment: a world and its schedule. Environments share only the [`Model`], so any number may run in parallel.
 
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
-use crate::judge::Findings;
-use crate::model::Model;
-use crate::record::Frame;
-use crate::world::Stepper;
-use crate::world::schedule::{CurrentGrasp, HandedOver, Phase, Recorded, Shared, StepSet, Timings, schedule};
-use crate::world::spawn::{begin, spawn};
-use crate::world::systems::audit::Audited;
+use base::error::{Error, Result};
+use geometry::Pose;
+use model::judge::Findings;
+use model::Model;
+use record::Frame;
+use crate::Stepper;
+use crate::schedule::{CurrentGrasp, HandedOver, Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::spawn::{begin, spawn};
+use crate::systems::audit::Audited;
 use bevy_ecs::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ impl Environment {
     ///
     /// # Errors
     /// Fails if the stepper rejects the scene, or if systems access the same data in an undefined order.
-    pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: GraspPose) -> Result<Self> {
+    pub fn new(model: &Arc<Model>, stepper: &dyn Stepper, pose: Pose) -> Result<Self> {
         let mut world = spawn(model, pose);
         let mut schedule = schedule(&model.needs);
         stepper.prepare(&mut world)?;
@@ -39,7 +39,7 @@ impl Environment {
     ///
     /// # Errors
     /// Fails if the stepper rejects the scene.
-    pub fn restart(&mut self, stepper: &dyn Stepper, pose: GraspPose) -> Result<()> {
+    pub fn restart(&mut self, stepper: &dyn Stepper, pose: Pose) -> Result<()> {
         let model = self.model().clone();
         if stepper.chooses_systems() {
             *self = Self::new(&model, stepper, pose)?;
@@ -55,7 +55,7 @@ impl Environment {
     }
 
     /// Returns the pose of the hand in the object frame.
-    pub fn pose(&self) -> GraspPose {
+    pub fn pose(&self) -> Pose {
         self.world.resource::<CurrentGrasp>().0
     }
 
@@ -123,7 +123,7 @@ impl Environment {
         sets
     }
 
-    /// Returns the number of entities with each component of [`crate::world::components`].
+    /// Returns the number of entities with each component of [`crate::components`].
     pub fn components(&self) -> BTreeMap<String, usize> {
         let mut counts = BTreeMap::new();
         for archetype in self.world.archetypes().iter().filter(|a| !a.is_empty()) {

@@ -9,11 +9,11 @@
 //! A run of the schedule is one step of the published procedure, whose state is explicit ([`Phase`]): place the object
 //! in the hand, close to first contact, then one recorded load level per step.
 
-use crate::gripper::GraspPose;
-use crate::mech::path::continuation::Methods;
-use crate::model::{Model, Needs};
-use crate::record::{ErrorBound, Frame, Wrench};
-use crate::world::systems;
+use geometry::Pose;
+use mech::path::continuation::Methods;
+use model::{Model, Needs};
+use record::{ErrorBound, Frame, Wrench};
+use crate::systems;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use serde::{Deserialize, Serialize};
@@ -126,7 +126,7 @@ pub struct Shared(pub Arc<Model>);
 
 /// Pose of the hand in the object frame.
 #[derive(Resource, Debug, Clone, Copy)]
-pub struct CurrentGrasp(pub GraspPose);
+pub struct CurrentGrasp(pub Pose);
 
 /// Load given externally, step by step; without it the levels of the scene apply, one after the other.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -155,7 +155,7 @@ pub struct StepReport {
     pub residual: f64,
     /// Value of the potential, J.
     pub energy: f64,
-    /// Smallest det F, see [`crate::mech::body::Body::min_det_f`]; `+inf` if not measured.
+    /// Smallest det F, see [`mech::body::Body::min_det_f`]; `+inf` if not measured.
     pub min_det_f: f64,
     /// Smallest gap between pads and object, m; `+inf` if not measured.
     pub min_gap: f64,

@@ -1,11 +1,11 @@
 //! Snapshots of a world: the columns that a step may change, the resources of a step, and the history of the stepper.
 
-use crate::error::{Error, Result};
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::world::Stepper;
-use crate::world::components::{ColumnVisitor, visit_columns};
-use crate::world::environment::Environment;
-use crate::world::schedule::{BalanceReport, ForceCommand, Phase, StepLoad, StepReport};
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
+use crate::Stepper;
+use crate::components::{ColumnVisitor, visit_columns};
+use crate::environment::Environment;
+use crate::schedule::{BalanceReport, ForceCommand, Phase, StepLoad, StepReport};
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::world::World;
 use serde::Serialize;

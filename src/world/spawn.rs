@@ -1,13 +1,13 @@
 //! World for one grasp: entities with the components that the scene needs, and the resources of a step.
 
-use crate::gripper::GraspPose;
-use crate::model::Model;
-use crate::part::FingerModel;
-use crate::world::components::*;
-use crate::world::schedule::{
+use geometry::Pose;
+use model::Model;
+use model::part::FingerModel;
+use crate::components::*;
+use crate::schedule::{
     BalanceReport, CurrentGrasp, ForceCommand, HandedOver, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
 };
-use crate::world::systems::audit::Audited;
+use crate::systems::audit::Audited;
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
@@ -15,7 +15,7 @@ use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
 /// Spawns a new world for a grasp at `pose`, in [`Phase::Place`].
-pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
+pub fn spawn(model: &Arc<Model>, pose: Pose) -> World {
     let mut world = World::new();
     spawn_nodes(&mut world, model);
     for (of, finger) in pads(model) {
@@ -49,7 +49,7 @@ pub fn spawn(model: &Arc<Model>, pose: GraspPose) -> World {
 }
 
 /// Resets a world of `model` to the start of a grasp at `pose`: columns and resources are as in a new one.
-pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
+pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
     }
@@ -65,7 +65,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: GraspPose) {
     fill(world, FingerForce(0.0));
     fill(world, FingerWrench::default());
     fill(world, ContactArea(0.0));
-    let start = pose.object_in_hand();
+    let start = pose.inverse();
     fill(world, ObjectPose { position: start.position, rotation: start.rotation });
     fill(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
     fill(world, ObjectVelocity::default());

@@ -1,16 +1,16 @@
-//! Interface of the backends: systems in [`StepSet::Advance`](crate::world::schedule::StepSet::Advance) (and the
-//! adjacent sets) that bring the components of [`crate::world::components`] to the load of the step.
+//! Interface of the backends: systems in [`StepSet::Advance`](crate::schedule::StepSet::Advance) (and the
+//! adjacent sets) that bring the components of [`crate::components`] to the load of the step.
 //!
-//! In a step where [`Phase`](crate::world::schedule::Phase) is `Ramp`, a stepper must either read `StepLoad::level` and
+//! In a step where [`Phase`](crate::schedule::Phase) is `Ramp`, a stepper must either read `StepLoad::level` and
 //! write `Position`, `FingerTravel`, `ObjectPose`, `FingerWrench`, the stress and force columns that exist, the contact
 //! edges if it has any (the network has only nodal forces), and all of
-//! [`StepReport`](crate::world::schedule::StepReport) with `reached = true`; or leave the last accepted state in place
+//! [`StepReport`](crate::schedule::StepReport) with `reached = true`; or leave the last accepted state in place
 //! and request `Phase::Fault`, `Phase::Dropped`, or the `Phase::Ramp` of a later frame if it cannot compute this one.
 
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::model::Model;
-use crate::scene::Scene;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use model::Model;
+use scene::Scene;
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 
@@ -20,7 +20,7 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Returns its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Returns true if it computes whether friction holds the object; if not, [`crate::env::slip`] decides that.
+    /// Returns true if it computes whether friction holds the object; if not, [`env::slip`] decides that.
     fn solves_friction(&self) -> bool {
         true
     }

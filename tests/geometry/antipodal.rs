@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use std::path::Path;
-use tactus::grasp::{grasps_of, keep_first, poses_of, sample_of};
-use tactus::part::object;
+use tactus::model::grasp::{grasps_of, keep_first, poses_of, sample_of};
+use tactus::model::part::object;
 use tactus::scene::{GraspCount, Grasps, Scene, load, load_set};
 
 fn scene(shape: &str, antipodal: &str, gripper: &str) -> Scene {
@@ -31,7 +31,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
         let least = 15_f64.to_radians().cos() - 1e-6;
         for (i, pose) in poses.iter().enumerate() {
             let closing = pose.rotation * DVec3::X;
-            let center = pose.to_object(DVec3::new(0.0, 0.0, 0.1));
+            let center = pose.transform(DVec3::new(0.0, 0.0, 0.1));
             let [left, right] = [closing, -closing].map(|way| {
                 let start = center - way * 0.04;
                 assert!(shape.distance.distance(start) > 0.0, "{name} {i}: the object reaches the open pad");
@@ -46,7 +46,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
             );
             // The palm, 204 x 63 x 66 mm from the hand's origin, is clear of every vertex of the object.
             for vertex in &shape.surface.vertices {
-                let p = pose.to_hand(*vertex);
+                let p = pose.inverse_transform(*vertex);
                 let inside = p.x.abs() < 0.102 && p.y.abs() < 0.0315 && p.z > 0.0 && p.z < 0.0659;
                 assert!(!inside, "{name} {i}: {p} is in the palm");
             }
@@ -108,7 +108,7 @@ fn sampled_grasps_go_through_a_grasp_file_to_the_bit() {
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
     assert!(String::from_utf8_lossy(&out.stdout).contains("8 antipodal grasps from"), "the report is printed");
     // Files hold quaternions of length 1 to rounding.
-    let (read, sampled) = (tactus::grasp::read_grasps_h5(&h5).unwrap(), poses_of(&lemon).unwrap());
+    let (read, sampled) = (tactus::model::grasp::read_grasps_h5(&h5).unwrap(), poses_of(&lemon).unwrap());
     assert_eq!(read.len(), 8);
     for (a, b) in read.iter().zip(&sampled) {
         assert!(a.position == b.position && a.rotation.abs_diff_eq(b.rotation, 1e-15));

@@ -4,8 +4,8 @@ use crate::skipped::data;
 use glam::{DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::Path;
-use tactus::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
-use tactus::gripper::GraspPose;
+use tactus::model::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::geometry::Pose;
 use tactus::scene::{GraspCount, Scene, load};
 
 /// Triangles of a binary STL.
@@ -37,7 +37,7 @@ fn real_grasps_have_the_object_between_the_pads() {
         for pose in &poses {
             // the slab where the pads meet the object: z near 0.1 m, |y| within a pad's half width
             let xs =
-                points.iter().map(|&p| pose.to_hand(p)).filter(|p| (p.z - 0.1).abs() < 0.012 && p.y.abs() < 0.0125);
+                points.iter().map(|&p| pose.inverse_transform(p)).filter(|p| (p.z - 0.1).abs() < 0.012 && p.y.abs() < 0.0125);
             let (low, high) = xs.fold((f64::MAX, f64::MIN), |(low, high), p| (low.min(p.x), high.max(p.x)));
             between += usize::from(low > -0.0405 && high < 0.0405 && low <= high);
             both_sides += usize::from(low < 0.0 && high > 0.0);
@@ -52,11 +52,11 @@ fn real_grasps_have_the_object_between_the_pads() {
 #[test]
 fn the_object_in_the_hand_is_the_inverse() {
     let rotation = DQuat::from_xyzw(0.1, -0.5, 0.3, 0.7).normalize();
-    let pose = GraspPose { position: DVec3::new(0.01, -0.02, -0.1), rotation };
-    let inverse = pose.object_in_hand();
+    let pose = Pose { position: DVec3::new(0.01, -0.02, -0.1), rotation };
+    let inverse = pose.inverse();
     for p in [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.7)] {
-        assert!((inverse.rotation * p + inverse.position - pose.to_hand(p)).length() < 1e-15);
-        assert!((pose.to_object(pose.to_hand(p)) - p).length() < 1e-15);
+        assert!((inverse.rotation * p + inverse.position - pose.inverse_transform(p)).length() < 1e-15);
+        assert!((pose.transform(pose.inverse_transform(p)) - p).length() < 1e-15);
     }
 }
 
@@ -65,7 +65,7 @@ fn what_is_written_is_read_back_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x_grasps.h5");
     let poses: Vec<_> = (0..37)
-        .map(|i| GraspPose {
+        .map(|i| Pose {
             position: DVec3::new(f64::from(i) * 0.1, -1e-17, 0.3),
             rotation: DQuat::from_rotation_z(f64::from(i) * 0.1),
         })
@@ -77,7 +77,7 @@ fn what_is_written_is_read_back_to_the_bit() {
 #[test]
 fn scenes_choose_among_the_grasps_of_a_file() {
     let dir = tempfile::tempdir().unwrap();
-    let pose = |i: i32| GraspPose { position: DVec3::splat(f64::from(i)), rotation: DQuat::IDENTITY };
+    let pose = |i: i32| Pose { position: DVec3::splat(f64::from(i)), rotation: DQuat::IDENTITY };
     write_grasps_h5(dir.path().join("g.h5"), &(0..10).map(pose).collect::<Vec<_>>()).unwrap();
     let scene = |grasps: &str| {
         let path = dir.path().join("s.ron");
@@ -114,7 +114,7 @@ fn the_identity_puts_the_object_between_the_pads() {
     std::fs::write(&path, text).unwrap();
     let poses = poses_of(&load(&path).unwrap().scene).unwrap();
     assert_eq!(poses.len(), 1);
-    assert_eq!(poses[0].to_hand(DVec3::ZERO), DVec3::new(0.0, 0.01, 0.12));
+    assert_eq!(poses[0].inverse_transform(DVec3::ZERO), DVec3::new(0.0, 0.01, 0.12));
 }
 
 /// A pose by its centre keeps that point of the object midway between the pads, however the hand is turned.
@@ -128,7 +128,7 @@ fn a_centre_lies_between_the_pads_of_a_turned_hand() {
     std::fs::write(&path, text).unwrap();
     let scene = load(&path).unwrap().scene;
     let poses = poses_of(&scene).unwrap();
-    let turned = poses[0].to_hand(DVec3::new(0.001, 0.002, 0.003));
+    let turned = poses[0].inverse_transform(DVec3::new(0.001, 0.002, 0.003));
     assert!((turned - DVec3::new(0.0, 0.01, 0.12)).length() < 1e-15, "{turned} m in the hand");
     let expected = DQuat::from_rotation_y(60_f64.to_radians());
     assert!(poses[0].rotation.angle_between(expected) < 1e-12);
@@ -170,7 +170,7 @@ fn files_that_are_no_grasp_files_say_why() {
 fn damaged_files_never_panic() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x.h5");
-    let pose = GraspPose { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
+    let pose = Pose { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
     write_grasps_h5(&path, &[pose; 3]).unwrap();
     let whole = std::fs::read(&path).unwrap();
     for at in 0..whole.len() {

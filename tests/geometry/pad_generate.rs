@@ -212,7 +212,7 @@ fn the_dome_follows_the_cad_everywhere_but_at_the_corners() {
 #[test]
 fn unusable_requests_are_refused() {
     let fine = Resolution::spacing(1e-3);
-    let message = |r: tactus::error::Result<PadMesh>| r.expect_err("refused").to_string();
+    let message = |r: tactus::base::error::Result<PadMesh>| r.expect_err("refused").to_string();
     assert!(message(pad::box_pad(0.0, 1.0, 1.0, &fine)).contains("size_x is 0 m; allowed: above 0"));
     assert!(message(pad::box_pad(1.0, f64::NAN, 1.0, &fine)).contains("size_y is NaN m"));
     assert!(message(pad::disc_pad(-1.0, 1.0, &fine)).contains("radius is -1 m"));

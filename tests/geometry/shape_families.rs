@@ -225,7 +225,7 @@ fn every_family_goes_from_a_scene_to_a_watertight_obj_of_graspable_size() {
         let (scene, obj) = (dir.path().join("s.ron"), dir.path().join("s.obj"));
         std::fs::write(&scene, format!("(object: (shape: {shape}), loading: Squeeze(force: 5))")).unwrap();
         let scene = tactus::scene::load(&scene).unwrap_or_else(|e| panic!("{shape}: {e}")).scene;
-        let built = tactus::part::object::build(&scene.object, &mut Vec::new()).unwrap();
+        let built = tactus::model::part::object::build(&scene.object, &mut Vec::new()).unwrap();
         tactus::geometry::mesh::io::write_obj(&obj, &built.surface).unwrap();
         let (mesh, notices) = tactus::geometry::mesh::io::read_tri_mesh(&obj).unwrap();
         assert!(notices.is_empty(), "{shape}: {notices:?}");

@@ -8,10 +8,10 @@ use tactus::backend::choose;
 use tactus::dataset::arrays::{ARRAYS, NumberKind};
 use tactus::dataset::inspect::frame;
 use tactus::dataset::{DataSet, Manifest, ObjectFile};
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::Frame;
-use tactus::run::{Observer, run_grasps};
+use tactus::world::run::{Observer, run_grasps};
 use tactus::scene::load;
 
 fn inspect(arguments: &[&str]) -> Output {
@@ -22,7 +22,7 @@ fn inspect(arguments: &[&str]) -> Output {
 struct Frames(std::sync::Mutex<BTreeMap<usize, Vec<Frame>>>);
 
 impl Observer for Frames {
-    fn frame(&self, index: usize, frame: &Frame) -> tactus::error::Result<()> {
+    fn frame(&self, index: usize, frame: &Frame) -> tactus::base::error::Result<()> {
         self.0.lock().unwrap().entry(index).or_default().push(frame.clone());
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use tactus::backend::choose;
 use tactus::dataset::{Campaign, DataSet, Selection};
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::names;
 use tactus::scene::load_set;
@@ -55,7 +55,7 @@ fn a_selection_keeps_the_grasps_with_the_largest_scores() {
     let set = load_set(scene(dir.path(), "")).unwrap();
     let poses = poses_of(&set.scenes[0].scene).unwrap();
     let wanted = poses[1];
-    let score = move |_: &tactus::scene::Scene, poses: &[tactus::gripper::GraspPose]| {
+    let score = move |_: &tactus::scene::Scene, poses: &[tactus::geometry::Pose]| {
         Ok(poses.iter().map(|pose| f64::from(u8::from(*pose == wanted))).collect())
     };
     let selection = Selection { keep: Some(1), score: &score };

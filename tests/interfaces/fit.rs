@@ -5,10 +5,10 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tactus::backend::choose;
-use tactus::fit::{Curve, Fit, FitReport, Parameter, Ranges, fit};
-use tactus::grasp::poses_of;
+use tactus::bench::fit::{Curve, Fit, FitReport, Parameter, Ranges, fit};
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::{Scene, from_ron};
 
 /// What a scene is made with.

@@ -17,19 +17,19 @@ use std::process::{Command, Output};
 use std::time::{Duration, SystemTime};
 use tactus::dataset::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind};
 use tactus::dataset::{DataSet, ObjectFile, StoredGrasp};
-use tactus::files::atomic::write_atomic;
-use tactus::files::lock::FolderLock;
-use tactus::files::lock_file::LockFile;
-use tactus::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
-use tactus::linear::first_contact::GeometricContact;
-use tactus::linear::pad_graph::{Layout, PadGraph, mesh_hash};
+use tactus::base::files::atomic::write_atomic;
+use tactus::base::files::lock::FolderLock;
+use tactus::base::files::lock_file::LockFile;
+use tactus::net::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph, mesh_hash};
 use tactus::net::features::GraspFeatures;
 use tactus::net::features::pad_range::Sensor;
 use tactus::net::infer::predict::{GraspState, Predictor};
 use tactus::net::network::spec::Spec;
 use tactus::net::train::Trainer;
-use tactus::part::FingerModel;
-use tactus::random::Random;
+use tactus::model::part::FingerModel;
+use tactus::base::random::Random;
 
 const LAYOUT: Layout = Layout::Face { depths: 3 };
 

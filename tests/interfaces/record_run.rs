@@ -9,7 +9,7 @@ use std::fs::{File, read, read_to_string};
 use std::path::Path;
 use std::time::Duration;
 use tactus::record::{Frame, GraspSummary, PadTopology, RunReport, Status};
-use tactus::run::{Options, RunRecorder};
+use tactus::world::run::{Options, RunRecorder};
 
 fn report() -> RunReport {
     RunReport::new("fem", 2, serde_json::json!({ "about": "test" }))

@@ -3,10 +3,10 @@
 use crate::keep::Keep;
 use crate::synthetic::{frame, pad, pads, sphere};
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
-use tactus::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
-use tactus::run::run_grasps;
+use tactus::record::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
+use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
 
 /// Centre of the drawing of the left pad: see the layout in `src/render/pads.rs`.

@@ -9,7 +9,7 @@ use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tactus::report::Wishes;
-use tactus::view::Viewer;
+use tactus::report::view::Viewer;
 
 pub fn tactus(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap()

@@ -908,7 +908,7 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
             let view = scene.state.view(0, &scene.rigid);
             let normal = random.vector().normalize();
             let lowest =
-                vertices.iter().map(|v| normal.dot(hand.to_world(view.object.position + view.object.rotation * *v)));
+                vertices.iter().map(|v| normal.dot(hand.transform(view.object.position + view.object.rotation * *v)));
             let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
             let term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view.object);
             let mut term = OfObject { term, begin: GroundContact::begin };
@@ -921,7 +921,7 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         scene.assemble(&mut term, Assembly::WHOLE);
         let kink = term.term.edges().any(|(i, e)| {
             let point = scene.state.position + scene.state.rotation * vertices[i];
-            let slip = across(step.hand.to_hand(e.anchor.unwrap_or_default()) - point, e.normal) * e.share;
+            let slip = across(step.hand.inverse_transform(e.anchor.unwrap_or_default()) - point, e.normal) * e.share;
             near_kink(&law, e.gap) || near_slip(&law, e, slip)
         });
         if kink || !term.term.edges().any(|(_, e)| e.pressure > 0.0) {

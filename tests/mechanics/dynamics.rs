@@ -3,10 +3,10 @@
 use crate::keep::Keep;
 use glam::{DQuat, DVec3};
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Moving, Status};
-use tactus::run::{Outcome, run_grasps};
+use tactus::world::run::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::world::environment::Environment;
 

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 use tactus::backend::choose;
-use tactus::error::Result;
-use tactus::grasp::poses_of;
-use tactus::gripper::GraspPose;
+use tactus::base::error::Result;
+use tactus::model::grasp::poses_of;
+use tactus::geometry::Pose;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::{Observer, Outcome, run_grasps};
+use tactus::world::run::{Observer, Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::world::Stepper;
 use tactus::world::components::*;
@@ -31,7 +31,7 @@ fn read(text: &str) -> Scene {
 }
 
 /// Model, backend and numbered grasps of a scene.
-type Prepared = (Arc<Model>, Box<dyn Stepper>, Vec<(usize, GraspPose)>);
+type Prepared = (Arc<Model>, Box<dyn Stepper>, Vec<(usize, Pose)>);
 
 fn prepare(scene: &Scene) -> Prepared {
     let poses = poses_of(scene).unwrap().into_iter().enumerate().collect();

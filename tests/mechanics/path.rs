@@ -4,10 +4,10 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::load;
 
 /// The last frame of the one grasp of a scene, and the Newton iterations to it.

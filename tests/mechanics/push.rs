@@ -2,10 +2,10 @@
 
 use crate::keep::Keep;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, GraspSummary, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
 
 /// Squeezes a block between pads with elements of `spacing` mm, pushes it, and returns the frames with the summary.

@@ -5,10 +5,10 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::load;
 
 /// Objects of every kind of contact sample, in units of the scale: `L(x)` is a length.

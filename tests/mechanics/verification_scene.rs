@@ -9,10 +9,10 @@ use tactus::backend::choose;
 use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::mesh::io::write_obj;
 use tactus::geometry::shape::ShapeKind;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::load;
 
 /// Frames of the one grasp of a scene, which must reach its force.

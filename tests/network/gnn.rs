@@ -5,15 +5,15 @@ use crate::gnn_made::{Made, ball, made, set};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tactus::backend::network::NetworkStepper;
-use tactus::gripper::GraspPose;
-use tactus::linear::first_contact::GeometricContact;
-use tactus::linear::pad_graph::{Layout, PadGraph};
+use tactus::geometry::Pose;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph};
 use tactus::mech::body::{Body, Elements};
 use tactus::model::Model;
 use tactus::net::infer::force_ladder::ForceLadder;
 use tactus::net::infer::predict::Predictor;
-use tactus::part::FingerModel;
-use tactus::random::Random;
+use tactus::model::part::FingerModel;
+use tactus::base::random::Random;
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::components::*;
@@ -21,7 +21,7 @@ use tactus::world::environment::Environment;
 use tactus::world::schedule::Phase;
 
 /// All frames of a grasp; `spoil` changes the world before every step under load.
-fn frames(made: &Made, model: &Arc<Model>, pose: GraspPose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
+fn frames(made: &Made, model: &Arc<Model>, pose: Pose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
     let gnn = NetworkStepper::open(&made.model).unwrap();
     let mut environment = Environment::new(model, &gnn, pose).unwrap();
     let mut frames = Vec::new();
@@ -82,10 +82,10 @@ fn turning_object_and_hand_together_changes_nothing_in_the_hand() {
     let model = Model::build(&from_ron(text).unwrap()).unwrap();
     // A little only: the tiny network has seen no box that stands on an edge.
     let turn = DQuat::from_scaled_axis(DVec3::new(0.002, 0.003, 0.0));
-    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.001, -0.1), rotation: turn };
+    let pose = Pose { position: turn * DVec3::new(0.0, 0.001, -0.1), rotation: turn };
     // A half turn about the approach swaps the fingers: what the left one felt, the right one feels.
     let half = DQuat::from_rotation_z(std::f64::consts::PI);
-    let swapped = GraspPose { position: pose.position, rotation: pose.rotation * half };
+    let swapped = Pose { position: pose.position, rotation: pose.rotation * half };
     let (a, b) = (frames(made, &model, pose, |_| {}), frames(made, &model, swapped, |_| {}));
     let longest = a[1].pads[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
     for (left, right) in [(0, 1), (1, 0)] {

@@ -5,14 +5,14 @@ use crate::keep::Keep;
 use glam::DVec3;
 use std::path::Path;
 use tactus::backend::choose;
-use tactus::gripper::GraspPose;
-use tactus::linear::first_contact::GeometricContact;
-use tactus::linear::{GraspLoad, loads_of};
+use tactus::geometry::Pose;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::model::Model;
 use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use tactus::net::infer::ramp::Ramp;
 use tactus::record::Frame;
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
 
 /// Relative difference of two lists of numbers, in their L2 norms.
@@ -137,7 +137,7 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
                  loading: Squeeze(force: 15.0, frames: 50), stepper: Fem(solver: Condensed()))";
     let scene = from_ron(text).unwrap();
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-    let poses: Vec<_> = tactus::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = tactus::model::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
     let frames = Keep::default();
     run_grasps(&model, stepper.as_ref(), &poses, 2, &frames).unwrap();
     let truth = frames.0.into_inner().unwrap();
@@ -168,11 +168,11 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
 fn many_grasps_are_those_of_each_alone() {
     let predictor = Predictor::open(&made().model).unwrap();
     let (model, pose) = ball(made());
-    let moved = |by: DVec3| GraspPose { position: pose.position + by, ..pose };
+    let moved = |by: DVec3| Pose { position: pose.position + by, ..pose };
     // More than are decoded together.
-    let mut poses: Vec<GraspPose> = (0..19).map(|k| moved(DVec3::X * 1e-4 * f64::from(k))).collect();
+    let mut poses: Vec<Pose> = (0..19).map(|k| moved(DVec3::X * 1e-4 * f64::from(k))).collect();
     poses.splice(1..1, [moved(DVec3::Y), pose]);
-    let states = |threads: usize, poses: &[GraspPose]| {
+    let states = |threads: usize, poses: &[Pose]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let many = pool.install(|| predictor.many(&model, poses, false)).unwrap();
         many.into_iter()

@@ -2,16 +2,16 @@
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
-use tactus::grasp::poses_of;
-use tactus::gripper::GraspPose;
-use tactus::linear::GraspLoad;
-use tactus::linear::first_contact::GeometricContact;
-use tactus::linear::pad_graph::{Layout, PadGraph};
-use tactus::linear::projected_gradient::{Touching, projected_contact};
+use tactus::model::grasp::poses_of;
+use tactus::geometry::Pose;
+use tactus::net::linear::GraspLoad;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph};
+use tactus::net::linear::projected_gradient::{Touching, projected_contact};
 use tactus::model::Model;
 use tactus::net::features::GraspFeatures;
-use tactus::part::FingerModel;
-use tactus::random::Random;
+use tactus::model::part::FingerModel;
+use tactus::base::random::Random;
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(
@@ -28,7 +28,7 @@ fn model() -> Arc<Model> {
 /// A grasp beside the middle of the object, turned: nothing about it is symmetric.
 fn features(model: &Arc<Model>) -> GraspFeatures {
     let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
-    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
+    let pose = Pose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
     let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
     GraspFeatures::new(model, &graph, &GeometricContact::find(model, pose).unwrap())
 }
@@ -88,7 +88,7 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     )"#;
     let model = Model::build(&from_ron(scene).unwrap()).unwrap();
     let turn = DQuat::from_rotation_y(12_f64.to_radians());
-    let pose = GraspPose { position: turn * DVec3::new(0.0, 0.0, -0.1), rotation: turn };
+    let pose = Pose { position: turn * DVec3::new(0.0, 0.0, -0.1), rotation: turn };
     let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
     let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, pose).unwrap());
     let turned = |force: f64| {

@@ -3,11 +3,11 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
-use tactus::linear::first_contact::GeometricContact;
+use tactus::model::grasp::poses_of;
+use tactus::net::linear::first_contact::GeometricContact;
 use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
 
 /// Frames of a heavy ball (`density` in kg/m3) in the hand under gravity along `gravity`, and its pose at first contact. Its weight is on the

@@ -1,7 +1,7 @@
 //! Derivatives of what the face network sees, by force, friction and pose of the hand.
 
 use glam::{DQuat, DVec3};
-use tactus::gripper::GraspPose;
+use tactus::geometry::Pose;
 use tactus::net::SHIPPED;
 use tactus::net::infer::inputs::Array;
 use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs};
@@ -16,7 +16,7 @@ const REACH: f64 = 0.1;
 fn ball(change: GripChange) -> [Vec<Array<f32>>; 2] {
     let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
     let (force, friction) = inputs.usual();
-    let pose = GraspPose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
+    let pose = Pose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
     inputs.grasps(&[Grip { pose, force, friction }], &[change]).unwrap().remove(0).unwrap()
 }
 
@@ -61,9 +61,9 @@ fn fingers_center_a_free_ball_and_a_turn_of_the_hand_carries_the_pads_along() {
 fn grasps_that_cannot_be_looked_at_say_why() {
     let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
     let (force, friction) = inputs.usual();
-    let pose = GraspPose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
+    let pose = Pose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
     let usual = Grip { pose, force, friction };
-    let far = GraspPose { position: DVec3::Z * 10.0, ..pose };
+    let far = Pose { position: DVec3::Z * 10.0, ..pose };
     let grips = [
         (Grip { force: vec![-1.0], ..usual.clone() }, "a force of -1 N"),
         (Grip { friction: f64::NAN, ..usual.clone() }, "a friction of NaN"),

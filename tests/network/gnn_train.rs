@@ -3,10 +3,10 @@
 use crate::gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
 use std::process::Command;
 use std::sync::Arc;
-use tactus::gripper::GraspPose;
-use tactus::linear::GraspLoad;
-use tactus::linear::first_contact::GeometricContact;
-use tactus::linear::pad_graph::{Layout, PadGraph};
+use tactus::geometry::Pose;
+use tactus::net::linear::GraspLoad;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph};
 use tactus::model::Model;
 use tactus::net::autodiff::real::Real;
 use tactus::net::autodiff::tape::{Matrix, Tape};
@@ -17,7 +17,7 @@ use tactus::net::network::spec::Spec;
 use tactus::net::network::{Inputs, Network, Normalisers, build};
 use tactus::net::train::sample::{Sample, model_of};
 use tactus::net::train::{data, pass};
-use tactus::random::Random;
+use tactus::base::random::Random;
 use tactus::scene::from_ron;
 
 /// A network with its loss on one grasp.
@@ -105,7 +105,7 @@ fn training_and_inference_see_the_same_bits() {
     let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
     // As a run does it: the scene from text, the pose from the file, the world's own first contact.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
-    let pose = GraspPose::from_row(&file.grasp(number).unwrap().grasp_pose);
+    let pose = Pose::from_row(&file.grasp(number).unwrap().grasp_pose);
     let graph = Arc::new(PadGraph::new(&model.fingers[0], layout).unwrap());
     let run = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, pose).unwrap());
     let bits = |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

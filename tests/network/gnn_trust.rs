@@ -3,11 +3,11 @@
 use crate::gnn_made::{ball, made};
 use crate::keep::Keep;
 use tactus::backend::choose;
-use tactus::linear::first_contact::GeometricContact;
+use tactus::net::linear::first_contact::GeometricContact;
 use tactus::model::Model;
 use tactus::net::infer::predict::Predictor;
 use tactus::record::{ErrorBound, Status};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::leaf::{Count, Positive};
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};
 
@@ -118,7 +118,7 @@ fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
         );
         let scene = from_ron(&text).unwrap();
         let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-        let poses: Vec<_> = tactus::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let poses: Vec<_> = tactus::model::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
         let end = run_grasps(&model, stepper.as_ref(), &poses, 1, &()).unwrap().remove(0).summary;
         assert_eq!(end.status, Status::Dropped, "{:?}", end.reason);
         // Over 0.5 x 10 N.

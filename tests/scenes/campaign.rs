@@ -12,11 +12,11 @@ use glam::{DMat3, DQuat, DVec3};
 use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::shape::Shape;
-use tactus::grasp::poses_of;
-use tactus::judge::Findings;
+use tactus::model::grasp::poses_of;
+use tactus::model::judge::Findings;
 use tactus::model::Model;
 use tactus::record::Status;
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::load;
 
 /// Draws in ranges.
@@ -143,7 +143,7 @@ fn squeeze(number: u64, folder: &Path) -> Option<String> {
     let path = folder.join(format!("shape{number}.ron"));
     std::fs::write(&path, format!("{text}\n)")).unwrap();
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
-    let object = tactus::part::object::build(&scene.object, &mut Vec::new()).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let object = tactus::model::part::object::build(&scene.object, &mut Vec::new()).unwrap_or_else(|e| panic!("{text}: {e}"));
     // Well within the cone: a grasp on its edge slides as soon as the gel gives way.
     let (p, q) = antipodal(&object, 0.5 * friction.atan(), &mut d)?;
     Some(format!(
@@ -171,7 +171,7 @@ fn random_squeezes_reach_their_force_or_say_why_not() {
         let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
         let outcome = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &()).unwrap().remove(0);
         let (s, m) = (&outcome.summary, &outcome.measured);
-        let failed = scene.expect.iter().skip(1).map(|e| tactus::judge::evaluate(e, m)).filter(|h| !h.held);
+        let failed = scene.expect.iter().skip(1).map(|e| tactus::model::judge::evaluate(e, m)).filter(|h| !h.held);
         let failed: Vec<_> = if m.findings.is_some() { failed.map(|h| format!("{h:?}")).collect() } else { Vec::new() };
         broken += u64::from(!failed.is_empty());
         match s.status {

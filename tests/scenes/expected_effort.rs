@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use tactus::model::Model;
-use tactus::run::effort::{EXPECTED_WITHIN, ExpectedTime};
+use tactus::world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 use tactus::scene::load_set;
 
 /// Newton iterations of the hard cases as `docs/results.md` lists them: name, number.

@@ -9,11 +9,11 @@ use std::sync::mpsc;
 use std::time::Duration;
 use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::geometry::pad::{Resolution, box_pad};
-use tactus::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
-use tactus::gripper::GraspPose;
+use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::geometry::Pose;
 use tactus::model::Model;
 use tactus::net::network::card::Trained;
-use tactus::random::Random;
+use tactus::base::random::Random;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
 /// Size of the block of gel that all mesh files hold, m.
@@ -374,7 +374,7 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
                 loading: Squeeze(force: 1, frames: 1))";
     let scene = dir.path().join("s.ron");
     std::fs::write(&scene, text).unwrap();
-    let built = |scene: &Path| tactus::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
+    let built = |scene: &Path| tactus::model::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
     let (pad, _) = built(&scene).unwrap();
     assert!((pad.thickness() - 2e-3).abs() < 1e-9, "{} m", pad.thickness());
     // In another unit than the file's it is too small or too large for any gel.
@@ -599,12 +599,12 @@ fn within(limit: Duration, what: &str, work: impl FnOnce() + Send + 'static) {
 }
 
 /// Grasps of an object at the origin: the pads around it, the hand from all sides.
-fn around() -> Vec<GraspPose> {
+fn around() -> Vec<Pose> {
     (0..20)
         .map(|i| {
             let a = f64::from(i);
             let rotation = DQuat::from_rotation_z(0.7 * a) * DQuat::from_rotation_x(0.3 + 0.11 * a);
-            GraspPose { position: -(rotation * DVec3::new(0.0, 0.0, 0.1)), rotation }
+            Pose { position: -(rotation * DVec3::new(0.0, 0.0, 0.1)), rotation }
         })
         .collect()
 }
@@ -629,7 +629,7 @@ fn both(output: &Output) -> String {
 }
 
 #[track_caller]
-fn alike(read: &[GraspPose], expected: &[GraspPose], slack: f64) {
+fn alike(read: &[Pose], expected: &[Pose], slack: f64) {
     assert_eq!(read.len(), expected.len());
     for (a, b) in read.iter().zip(expected) {
         let off = (a.position - b.position).length().max(1.0 - a.rotation.dot(b.rotation).abs());
@@ -690,7 +690,7 @@ fn grasps_of_other_conventions_are_the_same_grasps() {
 #[test]
 fn the_scale_of_an_acronym_file_is_that_of_the_object() {
     let dir = tempfile::tempdir().unwrap();
-    let matrix = |p: &GraspPose| {
+    let matrix = |p: &Pose| {
         let (x, r) = (p.position, DMat3::from_quat(p.rotation));
         let line = |k: usize| [r.row(k).x, r.row(k).y, r.row(k).z, x[k]];
         [line(0), line(1), line(2), [0.0, 0.0, 0.0, 1.0]].concat()
@@ -900,8 +900,8 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     if !h5py(dir.path(), script) {
         return;
     }
-    let expected: Vec<GraspPose> = (0..50)
-        .map(|i| GraspPose {
+    let expected: Vec<Pose> = (0..50)
+        .map(|i| Pose {
             position: DVec3::new(f64::from(i) * 1e-3, 0.0, -0.1),
             rotation: DQuat::from_rotation_z(2.0 * f64::from(i) * 0.1),
         })

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use tactus::random::Random;
+use tactus::base::random::Random;
 
 /// Mutations of the quick part.
 const QUICK: usize = 100;

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use tactus::backend::choose;
 use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::geometry::shape::sphere::Sphere;
-use tactus::grasp::poses_of;
-use tactus::judge::evaluate;
+use tactus::model::grasp::poses_of;
+use tactus::model::judge::evaluate;
 use tactus::mech::material::NeoHookean;
 use tactus::mech::newton::Failure;
 use tactus::mech::newton::effort::{Effort, most_iterations};
@@ -17,7 +17,7 @@ use tactus::mech::path::Load;
 use tactus::mech::path::continuation::WholePads;
 use tactus::model::Model;
 use tactus::record::Status;
-use tactus::run::{Outcome, run_grasps};
+use tactus::world::run::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 
 fn scene(text: &str) -> Scene {

@@ -5,11 +5,11 @@
 
 use crate::skipped::data;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
-use tactus::judge::evaluate;
+use tactus::model::grasp::poses_of;
+use tactus::model::judge::evaluate;
 use tactus::model::Model;
 use tactus::record::Status;
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::load;
 
 /// The grasp that stands for each object, and the share of all hundred that must reach the force. No share is promised for

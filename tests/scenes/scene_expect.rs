@@ -1,6 +1,6 @@
 //! Expectations: what holds, what does not, and that nothing holds of what was not measured.
 
-use tactus::judge::{Findings, Measured, Verdict, evaluate, evaluate_all};
+use tactus::model::judge::{Findings, Measured, Verdict, evaluate, evaluate_all};
 use tactus::record::Status;
 use tactus::scene::*;
 

@@ -361,7 +361,7 @@ fn a_check_tries_the_first_thousand_grasps() {
 #[test]
 fn the_size_of_a_pad_is_known_before_it_is_meshed() {
     use tactus::geometry::pad::{Resolution, box_pad};
-    use tactus::limits::PadSize;
+    use tactus::model::limits::PadSize;
     use tactus::scene::Element;
     for cells in [[1, 1, 1], [4, 6, 2], [3, 2, 5]] {
         let pad = box_pad(0.02, 0.03, 0.004, &Resolution::cells(cells)).unwrap();

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
-use tactus::history::{HistoryReader, HistoryWriter};
+use tactus::model::grasp::poses_of;
+use tactus::base::history::{HistoryReader, HistoryWriter};
 use tactus::model::Model;
 use tactus::record::Frame;
 use tactus::scene::{Gnn, Scene, StepperChoice, load};

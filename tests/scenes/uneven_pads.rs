@@ -3,10 +3,10 @@
 use crate::keep::Keep;
 use std::process::Command;
 use tactus::backend::choose;
-use tactus::grasp::poses_of;
+use tactus::model::grasp::poses_of;
 use tactus::model::Model;
 use tactus::record::{Frame, PadFrame};
-use tactus::run::run_grasps;
+use tactus::world::run::run_grasps;
 use tactus::scene::{Scene, load};
 
 const BOX: &str = "Box(size: (0.02, 0.016, 0.004), cells: (4, 4, 2))";

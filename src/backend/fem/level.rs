@@ -1,16 +1,16 @@
 //! Load levels of a grasp: first contact if needed, the load, and the fall-back from condensed to full pads.
 
 use super::stepper::GraspSolver;
-use crate::mech::newton::Failure;
-use crate::mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
-use crate::mech::path::continuation::WholePads;
-use crate::mech::path::grasp_place::GraspPlace;
-use crate::mech::path::{Advanced, Load};
-use crate::model::push::FIRST_PART;
-use crate::model::{DropLimits, Model};
-use crate::scales::DROPPED;
-use crate::world::components::ObjectPose;
-use crate::world::schedule::{StepLoad, Stop};
+use mech::newton::Failure;
+use mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
+use mech::path::continuation::WholePads;
+use mech::path::grasp_place::GraspPlace;
+use mech::path::{Advanced, Load};
+use model::push::FIRST_PART;
+use model::{DropLimits, Model};
+use base::scales::DROPPED;
+use world::components::ObjectPose;
+use world::schedule::{StepLoad, Stop};
 use glam::DVec3;
 
 /// Number of steps in which the weight of an object passes from its support to the fingers.

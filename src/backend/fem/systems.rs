@@ -2,17 +2,17 @@
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::stepper::GraspSolver;
-use crate::mech::path::continuation::Methods;
-use crate::mech::potential::edge::{EdgeReading, EdgeState};
-use crate::model::Needs;
-use crate::world::components::*;
-use crate::world::schedule::{
+use mech::path::continuation::Methods;
+use mech::potential::edge::{EdgeReading, EdgeState};
+use model::Needs;
+use world::components::*;
+use world::schedule::{
     BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
 };
-use crate::world::systems::apart::keep_pads_apart;
-use crate::world::systems::inversion::inverted;
-use crate::world::systems::measure::measure_balance;
-use crate::world::systems::sense::close_to_contact;
+use world::systems::apart::keep_pads_apart;
+use world::systems::inversion::inverted;
+use world::systems::measure::measure_balance;
+use world::systems::sense::close_to_contact;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use glam::DVec3;

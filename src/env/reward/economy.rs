@@ -1,7 +1,7 @@
 //! Reward term that penalises the sum of the finger forces.
 
 use super::{RewardTerm, StepInfo};
-use crate::scene::reward::EconomyReward;
+use scene::reward::EconomyReward;
 
 impl RewardTerm for EconomyReward {
     fn pay(&self, info: &StepInfo) -> f64 {

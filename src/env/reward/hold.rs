@@ -1,7 +1,7 @@
 //! Reward term for holding the object.
 
 use super::{RewardTerm, StepInfo};
-use crate::scene::reward::HoldReward;
+use scene::reward::HoldReward;
 
 impl RewardTerm for HoldReward {
     fn pay(&self, info: &StepInfo) -> f64 {

@@ -1,6 +1,6 @@
 //! Rewards of an agent: one file per term; a reward is the sum of its terms.
 //!
-//! A new term needs settings and a variant in [`crate::scene::reward`], a file that implements [`RewardTerm`], and a
+//! A new term needs settings and a variant in [`scene::reward`], a file that implements [`RewardTerm`], and a
 //! line in `term`.
 
 mod economy;
@@ -8,7 +8,7 @@ mod hold;
 mod slip;
 mod stress;
 
-use crate::scene::Reward;
+use scene::Reward;
 use serde::{Deserialize, Serialize};
 
 /// Information on a step, from which rewards are computed.

@@ -1,7 +1,7 @@
 //! Reward term that penalises slip of the object over the pads.
 
 use super::{RewardTerm, StepInfo};
-use crate::scene::reward::SlipReward;
+use scene::reward::SlipReward;
 
 impl RewardTerm for SlipReward {
     fn pay(&self, info: &StepInfo) -> f64 {

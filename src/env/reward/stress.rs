@@ -1,7 +1,7 @@
 //! Reward term that penalises stress of the gel above a limit.
 
 use super::{RewardTerm, StepInfo};
-use crate::scene::reward::StressReward;
+use scene::reward::StressReward;
 
 impl RewardTerm for StressReward {
     fn pay(&self, info: &StepInfo) -> f64 {

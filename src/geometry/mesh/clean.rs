@@ -1,8 +1,8 @@
 //! Repair of a tetrahedral mesh for simulation: reports all changes and rejects faults without a unique remedy.
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
+use base::number::counted;
 
 /// Mean-ratio quality below which a tetrahedron is rejected as flat. (A sliver of this quality has a height of some
 /// 1e-6 of its edge.)

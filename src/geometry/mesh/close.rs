@@ -4,9 +4,9 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::I64Vec3;
 
-use crate::geometry::mesh::topology::{collapse, sides};
-use crate::geometry::mesh::{TriMesh, facets};
-use crate::stats::median;
+use crate::mesh::topology::{collapse, sides};
+use crate::mesh::{TriMesh, facets};
+use base::stats::median;
 
 /// Tolerance, over the size of the object, within which vertices at open edges are merged.
 const RELATIVE: f64 = 1e-6;

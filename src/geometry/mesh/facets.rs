@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec3;
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::topology::{drop_unused, sides};
+use crate::mesh::TriMesh;
+use crate::mesh::topology::{drop_unused, sides};
 
 /// Ratio of height to longest side up to which a triangle counts as one without area.
 pub(crate) const FLAT: f64 = 1e-13;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::geometry::mesh::TetMesh;
-use crate::geometry::mesh::quality::EDGES;
+use crate::mesh::TetMesh;
+use crate::mesh::quality::EDGES;
 
 /// Mesh of straight-sided 10-node tetrahedra.
 #[derive(Debug, Clone, Default, PartialEq)]

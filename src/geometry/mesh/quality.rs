@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geometry::mesh::{TetMesh, signed_volume};
+use crate::mesh::{TetMesh, signed_volume};
 
 /// Six edges of a tetrahedron as pairs of corners, in the order of the mid-edge nodes of [`super::quadratic`].
 pub const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];

@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::geometry::Aabb;
-use crate::geometry::mesh::disjoint_sets::DisjointSets;
-use crate::geometry::mesh::topology::sides;
-use crate::geometry::mesh::{TriMesh, show};
-use crate::number::counted;
+use crate::Aabb;
+use crate::mesh::disjoint_sets::DisjointSets;
+use crate::mesh::topology::sides;
+use crate::mesh::{TriMesh, show};
+use base::number::counted;
 
 /// Part of a surface whose triangles are connected across edges.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{TetMesh, TriMesh, show};
+use base::error::{Error, Result};
+use crate::mesh::{TetMesh, TriMesh, show};
 
 /// Faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
 pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
@@ -30,7 +30,7 @@ fn sorted_faces(mesh: &TetMesh) -> Vec<([u32; 3], u32, u8)> {
 }
 
 /// Returns the boundary faces, in the order of their tetrahedra. Indices must be valid and volumes positive, as after
-/// [`crate::geometry::mesh::clean::repair`].
+/// [`crate::mesh::clean::repair`].
 pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
     let mut single: Vec<(u32, u8)> = sorted_faces(mesh)
         .chunk_by(|a, b| a.0 == b.0)

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::geometry::mesh::disjoint_sets::DisjointSets;
-use crate::geometry::mesh::{TriMesh, clean};
+use crate::mesh::disjoint_sets::DisjointSets;
+use crate::mesh::{TriMesh, clean};
 
 /// Report on the edges of a triangle mesh. An edge is valid if exactly two triangles share it and traverse it in
 /// opposite directions.

@@ -1,9 +1,9 @@
 //! Selection of the nodes of a pad that are bonded to the finger, by a rule.
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{TetMesh, TriMesh};
-use crate::geometry::shape::SurfaceDistance;
-use crate::number::shown;
+use base::error::{Error, Result};
+use crate::mesh::{TetMesh, TriMesh};
+use crate::shape::SurfaceDistance;
+use base::number::shown;
 use glam::DVec3;
 use std::sync::Arc;
 

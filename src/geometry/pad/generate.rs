@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{TetMesh, grid};
-use crate::geometry::pad::{Density, PadMesh, Resolution, dome};
-use crate::number::shown;
+use base::error::{Error, Result};
+use crate::mesh::{TetMesh, grid};
+use crate::pad::{Density, PadMesh, Resolution, dome};
+use base::number::shown;
 
 /// Largest side of a generated pad, m.
 pub const MAX_SIZE: f64 = 10.0;

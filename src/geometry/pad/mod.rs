@@ -17,8 +17,8 @@ pub use resolution::{Density, Resolution};
 
 use glam::DVec3;
 
-use crate::geometry::mesh::TetMesh;
-use crate::geometry::mesh::surface::{self, BoundaryFace};
+use crate::mesh::TetMesh;
+use crate::mesh::surface::{self, BoundaryFace};
 
 /// Lower bound of the z component of the outward unit normals of the sensing face.
 pub const SENSING_SLOPE: f64 = 0.5;

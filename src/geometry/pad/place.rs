@@ -4,11 +4,11 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::io::{self, text};
-use crate::geometry::mesh::{TetMesh, clean};
-use crate::geometry::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
-use crate::number::shown;
+use base::error::{Error, Result};
+use crate::mesh::io::{self, text};
+use crate::mesh::{TetMesh, clean};
+use crate::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
+use base::number::shown;
 
 /// Size of a pad above which a notice is given, m: its file is probably in millimetres.
 pub const UNLIKELY_SIZE: f64 = 0.5;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, grid};
-use crate::number::shown;
+use base::error::{Error, Result};
+use crate::mesh::{MAX_COUNT, grid};
+use base::number::shown;
 
 /// Largest thickness of the layer at the sensing face, in spacings.
 pub const LAYER_ASPECT: f64 = 1.3;

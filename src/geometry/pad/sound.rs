@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
-use crate::geometry::Aabb;
-use crate::geometry::mesh::shells::orient;
-use crate::geometry::mesh::{TetMesh, show, surface};
-use crate::geometry::shape::overlap::overlaps;
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::Aabb;
+use crate::mesh::shells::orient;
+use crate::mesh::{TetMesh, show, surface};
+use crate::shape::overlap::overlaps;
+use base::number::counted;
 
 /// Root-mean-square distance of the held nodes of a part from their best-fit line, over the size of the part, below
 /// which the part can rotate about that line.

@@ -2,8 +2,8 @@
 //!
 //! Binned surface-area heuristic (Wald 2007, "On fast construction of SAH-based bounding volume hierarchies").
 
-use crate::geometry::Aabb;
-use crate::geometry::shape::facet::Facet;
+use crate::Aabb;
+use crate::shape::facet::Facet;
 use glam::DVec3;
 
 const LEAF: usize = 4;

@@ -1,7 +1,7 @@
 //! Signed distance to a capsule.
 
-use crate::geometry::shape::sphere::point_curvature;
-use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::sphere::point_curvature;
+use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Capsule: all points within `radius` of the segment of half length `half` along z.

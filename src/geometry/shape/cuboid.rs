@@ -1,6 +1,6 @@
 //! Signed distance to a box, with sharp or rounded edges.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Box about the origin: all points within `radius` of the core box of half sizes `core`.

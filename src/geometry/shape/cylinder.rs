@@ -1,6 +1,6 @@
 //! Signed distance to a circular cylinder with flat ends.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Cylinder along z about the origin.

@@ -6,7 +6,7 @@
 //! (More and Sorensen 1983, eq. 3.10), which is almost linear, converges in a few steps and is safeguarded by
 //! bisection.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Ellipsoid about the origin, with its axes along x, y, z.

@@ -4,9 +4,9 @@
 //! a few products. The point of a convex polygon closest to an exterior point lies on an edge whose outer half-plane
 //! contains that point, so only these edges are evaluated.
 
-use crate::geometry::Aabb;
-use crate::geometry::mesh::facets::FLAT;
-use crate::geometry::mesh::rings::TrianglePart;
+use crate::Aabb;
+use crate::mesh::facets::FLAT;
+use crate::mesh::rings::TrianglePart;
 use glam::DVec3;
 
 /// Triangle with corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.

@@ -1,11 +1,11 @@
 //! Vertices and edges of an object that are tested against the faces of a pad whose mesh is too coarse to resolve them.
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::polygon::Profile;
-use crate::geometry::shape::ring::Ring;
-use crate::geometry::shape::rod::Rod;
-use crate::geometry::shape::topology::Topology;
-use crate::scales::EDGE_CUT;
+use crate::mesh::TriMesh;
+use crate::shape::polygon::Profile;
+use crate::shape::ring::Ring;
+use crate::shape::rod::Rod;
+use crate::shape::topology::Topology;
+use base::scales::EDGE_CUT;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

@@ -3,7 +3,7 @@
 //! A signed distance is 1-Lipschitz, so the sample `D` at a cell's centre `c` bounds it in the cell: `d(q) >= D - |q -
 //! c|`.
 
-use crate::geometry::Aabb;
+use crate::Aabb;
 use glam::{DVec3, UVec3};
 
 /// Approximate number of cells of a lattice: 256 kB, built in some ten milliseconds.

@@ -7,8 +7,8 @@
 //! reproduced, and edges are rounded with a radius of about the grid spacing. The spline is C2, so the curvature of the
 //! surface is continuous. Samples are stored only in blocks near the surface.
 
-use crate::geometry::Aabb;
-use crate::geometry::shape::{Closest, SignedDistance, outer};
+use crate::Aabb;
+use crate::shape::{Closest, SignedDistance, outer};
 use glam::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Volume, centre of mass and inertia of unit density.
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::outer;
-use crate::geometry::shape::polygon::Profile;
+use crate::mesh::TriMesh;
+use crate::shape::outer;
+use crate::shape::polygon::Profile;
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 

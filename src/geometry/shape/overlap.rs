@@ -1,11 +1,11 @@
 //! Self-intersections of a closed surface.
 
-use crate::geometry::Aabb;
-use crate::geometry::mesh::close::tolerance;
-use crate::geometry::mesh::shells::shells;
-use crate::geometry::mesh::{TriMesh, show};
-use crate::geometry::shape::facet::Facet;
-use crate::geometry::shape::winding::Winding;
+use crate::Aabb;
+use crate::mesh::close::tolerance;
+use crate::mesh::shells::shells;
+use crate::mesh::{TriMesh, show};
+use crate::shape::facet::Facet;
+use crate::shape::winding::Winding;
 use glam::DVec3;
 use rayon::prelude::*;
 

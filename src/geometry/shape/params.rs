@@ -1,6 +1,6 @@
 //! Checks of the parameters of a generated shape.
 
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 
 /// Default number of divisions of a full turn.
 pub const DEFAULT_SEGMENTS: u32 = 64;

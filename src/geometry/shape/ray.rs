@@ -1,6 +1,6 @@
 //! Intersection of rays with signed distances.
 
-use crate::geometry::shape::SignedDistance;
+use crate::shape::SignedDistance;
 use glam::DVec3;
 
 /// Entry of a ray into an object.

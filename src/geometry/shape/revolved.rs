@@ -2,8 +2,8 @@
 //!
 //! The closest point lies in the meridian half-plane of the query, so the distance is that to the 2D profile there.
 
-use crate::geometry::shape::polygon::Profile;
-use crate::geometry::shape::{Closest, SignedDistance, outer};
+use crate::shape::polygon::Profile;
+use crate::shape::{Closest, SignedDistance, outer};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
 /// Solid of revolution about z with a polygonal profile.

@@ -2,7 +2,7 @@
 
 use super::features::FeaturePoint;
 use super::polygon::Profile;
-use crate::scales::{CORNER_CUT, SAMPLE_CUT};
+use base::scales::{CORNER_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,7 +1,7 @@
 //! Ball, pin or capsule so thin that it would penetrate a pad between its contact samples.
 
 use super::features::FeaturePoint;
-use crate::scales::{ROD_CUT, SAMPLE_CUT};
+use base::scales::{ROD_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 

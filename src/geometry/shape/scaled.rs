@@ -1,6 +1,6 @@
 //! Uniformly scaled shape.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
+use crate::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
 use glam::DVec3;
 use std::sync::Arc;
 

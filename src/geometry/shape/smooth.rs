@@ -4,14 +4,14 @@
 //! one contact offset, which a smooth surface avoids. A mesh keeps its facets where they are its true shape, as those
 //! of a box.
 
-use crate::error::{Error, Result};
-use crate::geometry::Aabb;
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::disjoint_sets::DisjointSets;
-use crate::geometry::shape::features::{FeaturePoint, Ridge, SHARP, parts};
-use crate::geometry::shape::level_set::LevelSet;
-use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Shape, SurfaceFeatures};
+use base::error::{Error, Result};
+use crate::Aabb;
+use crate::mesh::TriMesh;
+use crate::mesh::disjoint_sets::DisjointSets;
+use crate::shape::features::{FeaturePoint, Ridge, SHARP, parts};
+use crate::shape::level_set::LevelSet;
+use crate::shape::topology::Topology;
+use crate::shape::{Shape, SurfaceFeatures};
 use glam::DVec3;
 use glamx::DSymmetricEigen3;
 use std::sync::Arc;

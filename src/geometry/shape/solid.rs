@@ -1,15 +1,15 @@
 //! Rigid object, with all data that the solver, the recorder and the renderer require.
 
-use crate::error::{Error, Result};
-use crate::geometry::Aabb;
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::shells::{flat_shell, orient};
-use crate::geometry::mesh::topology::drop_unused;
-use crate::geometry::shape::mesh_distance::MeshDistance;
-use crate::geometry::shape::params::{length, require};
-use crate::geometry::shape::scaled::Scaled;
-use crate::geometry::shape::topology::Topology;
-use crate::geometry::shape::{Hit, MassProperties, SignedDistance, SurfaceDefinition, SurfaceFeatures};
+use base::error::{Error, Result};
+use crate::Aabb;
+use crate::mesh::TriMesh;
+use crate::mesh::shells::{flat_shell, orient};
+use crate::mesh::topology::drop_unused;
+use crate::shape::mesh_distance::MeshDistance;
+use crate::shape::params::{length, require};
+use crate::shape::scaled::Scaled;
+use crate::shape::topology::Topology;
+use crate::shape::{Hit, MassProperties, SignedDistance, SurfaceDefinition, SurfaceFeatures};
 use glam::DVec3;
 use std::sync::Arc;
 

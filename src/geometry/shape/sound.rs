@@ -1,14 +1,14 @@
 //! Check that the surface of a file bounds a solid, and corrections that do not displace it.
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::facets::drop_back_to_back;
-use crate::geometry::mesh::shells::{agree, flat_shell, orient, shells};
-use crate::geometry::mesh::topology::watertight;
-use crate::geometry::shape::overlap::overlaps;
-use crate::geometry::shape::repair::repair;
-use crate::geometry::shape::topology::Topology;
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::TriMesh;
+use crate::mesh::facets::drop_back_to_back;
+use crate::mesh::shells::{agree, flat_shell, orient, shells};
+use crate::mesh::topology::watertight;
+use crate::shape::overlap::overlaps;
+use crate::shape::repair::repair;
+use crate::shape::topology::Topology;
+use base::number::counted;
 
 /// Orients triangles and shells of `mesh` and rejects a surface that bounds no solid, with the location of the fault;
 /// with `mend` it is repaired instead. Returns the surface and a notice for each change.

@@ -1,6 +1,6 @@
 //! Signed distance to a sphere.
 
-use crate::geometry::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Sphere about the origin.

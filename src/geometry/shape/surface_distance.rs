@@ -1,7 +1,7 @@
 //! Distance to a surface that need not be closed.
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::winding::Winding;
+use crate::mesh::TriMesh;
+use crate::shape::winding::Winding;
 use glam::DVec3;
 
 /// Magnitude of the winding number above which a point is inside; its sign depends on the orientation of the triangles.

@@ -1,8 +1,8 @@
 //! Edges of a closed triangle mesh and its pseudo-normals.
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::topology::{sides, watertight};
-use crate::geometry::mesh::{FARTHEST, TriMesh, is_far, show};
+use base::error::{Error, Result};
+use crate::mesh::topology::{sides, watertight};
+use crate::mesh::{FARTHEST, TriMesh, is_far, show};
 use glam::DVec3;
 
 /// Edge between two triangles.
@@ -90,7 +90,7 @@ fn check_indices(mesh: &TriMesh) -> Result<()> {
 
 fn normal(mesh: &TriMesh, t: usize) -> Result<DVec3> {
     let p = mesh.triangles[t].map(|v| mesh.vertices[v as usize]);
-    match crate::geometry::shape::facet::Facet::new(p, 0) {
+    match crate::shape::facet::Facet::new(p, 0) {
         Some(f) => Ok(f.n),
         None => Err(Error::Mesh(format!(
             "triangle {t} of the object's mesh, near {}, has no area; remove it or weld its vertices",

@@ -1,10 +1,10 @@
 //! Generalized winding number of a triangle surface (Jacobson et al. 2013), evaluated by a tree (Barill et al. 2018,
 //! "Fast winding numbers for soups and clouds").
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::shells::solid_angle;
-use crate::geometry::shape::bvh::Bvh;
-use crate::geometry::shape::facet::Facet;
+use crate::mesh::TriMesh;
+use crate::mesh::shells::solid_angle;
+use crate::shape::bvh::Bvh;
+use crate::shape::facet::Facet;
 use glam::DVec3;
 use std::f64::consts::PI;
 

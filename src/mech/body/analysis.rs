@@ -4,7 +4,7 @@
 use super::cholesky::Symbolic;
 use super::pattern::{FIXED, Pattern, Slot};
 use super::{Body, Elements};
-use crate::error::{Error, Result};
+use base::error::{Error, Result};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 

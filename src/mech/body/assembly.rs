@@ -3,7 +3,7 @@
 
 use super::gather;
 use super::pattern::{Pattern, Slot};
-use crate::mech::element::{Kernel, RestTet, Stiffness};
+use crate::element::{Kernel, RestTet, Stiffness};
 use glam::DVec3;
 use pulp::NullaryFnOnce;
 

@@ -30,8 +30,8 @@ pub fn locking_notice(body: &Body) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::mesh::{grid, quadratic};
-    use crate::mech::material::NeoHookean;
+    use geometry::mesh::{grid, quadratic};
+    use crate::material::NeoHookean;
     use std::sync::Arc;
 
     #[test]

@@ -9,8 +9,8 @@ pub mod single_precision;
 
 use self::analysis::Analysis;
 use self::assembly::{AddGradient, AddStiffness, ElementLoop, Energy, LeastDeterminant};
-use crate::mech::element::{Kernel, RestTet, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES};
-use crate::mech::material::{Material, von_mises};
+use crate::element::{Kernel, RestTet, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES};
+use crate::material::{Material, von_mises};
 use glam::{DMat3, DVec3};
 use pulp::Arch;
 use std::sync::Arc;
@@ -251,7 +251,7 @@ fn extrapolate<const Q: usize>(point: &[DMat3; Q], mean: &DMat3, a: usize) -> DM
     if a < 4 {
         corner(a)
     } else {
-        let [i, j] = crate::mech::element::EDGES[a - 4];
+        let [i, j] = crate::element::EDGES[a - 4];
         (corner(i) + corner(j)) * 0.5
     }
 }

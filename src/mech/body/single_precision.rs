@@ -178,7 +178,7 @@ fn products<S: Simd, const N: usize>(simd: S, columns: [&[f32]; N], x: &[f32]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mech::body::pattern::Pattern;
+    use crate::body::pattern::Pattern;
 
     /// A chain of nodes with springs of 1 to 5 N/m, held at its ends: solutions agree with those in double precision to
     /// 1e-5, also those of the back substitution alone.

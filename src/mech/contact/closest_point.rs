@@ -2,7 +2,7 @@
 
 use super::folds;
 use super::surface::{SurfaceFace, face_frame};
-use crate::geometry::triangle6;
+use geometry::triangle6;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@
 
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::surface::{ContactSurface, SurfaceFace, face_frame};
-use crate::geometry::mesh::rings::TrianglePart;
+use geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 
 impl ClosestPoint {

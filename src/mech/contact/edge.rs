@@ -1,7 +1,7 @@
 //! Contact law applied to the state of one edge.
 
 use super::law::ContactLaw;
-pub use crate::mech::potential::edge::EdgeState;
+pub use crate::potential::edge::EdgeState;
 use glam::DVec3;
 
 impl EdgeState {

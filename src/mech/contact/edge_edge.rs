@@ -3,9 +3,9 @@
 
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use crate::geometry::shape::Stretch;
-use crate::mech::potential::state::BodyView;
-use crate::scales::{DEEPEST, DEEPEST_LENGTH};
+use geometry::shape::Stretch;
+use crate::potential::state::BodyView;
+use base::scales::{DEEPEST, DEEPEST_LENGTH};
 use glam::DVec3;
 
 /// The point of an edge segment that is deepest in the pad, object frame, m; None if none is deeper than `least` (m).

@@ -2,7 +2,7 @@
 
 use super::closest_point::{ON_RIM, tangents};
 use super::surface::SurfaceFace;
-use crate::geometry::triangle6;
+use geometry::triangle6;
 use glam::DVec3;
 
 /// Maximum number of iterations from one start.

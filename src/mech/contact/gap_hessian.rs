@@ -15,7 +15,7 @@
 use super::closest_point::{ClosestPoint, ON_RIM, tangents};
 use super::folds::bends;
 use super::surface::SurfaceFace;
-use crate::mech::potential::block::Form;
+use crate::potential::block::Form;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Second derivatives of the energy of a pressure force `p` (N) on the pad due to this curvature; `None` on the rim of

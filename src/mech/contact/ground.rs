@@ -4,13 +4,13 @@ use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::{feature_pair, friction_pair, slip};
 use super::pool::EdgePool;
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::potential::block::{Pair, RigidBlock};
-use crate::mech::potential::state::{ObjectIncrement, ObjectView};
-use crate::mech::potential::term::{Assembly, ObjectTerm};
-use crate::mech::potential::time_step::TimeStep;
-use crate::scene::motion::HandState;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use crate::potential::block::{Pair, RigidBlock};
+use crate::potential::state::{ObjectIncrement, ObjectView};
+use crate::potential::term::{Assembly, ObjectTerm};
+use crate::potential::time_step::TimeStep;
+use geometry::Pose;
 use glam::{DMat3, DVec3};
 use std::iter;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub struct GroundContact {
     vertices: Arc<[DVec3]>,
     normal: DVec3,
     height: f64,
-    hand: HandState,
+    hand: Pose,
     /// World position of each vertex at the last accepted state, m. A vertex that makes contact within a step gets its
     /// sticking point there, so that friction acts on all of its sliding in the step.
     last: Vec<DVec3>,
@@ -38,13 +38,13 @@ impl GroundContact {
         law: ContactLaw,
         normal: DVec3,
         height: f64,
-        hand: HandState,
+        hand: Pose,
         view: &ObjectView,
     ) -> Self {
         // Limits are forces, not pressures: none counts as negligible.
         let mut pool = EdgePool::new(law, vertices.len());
         pool.negligible = 0.0;
-        let last = vertices.iter().map(|v| hand.to_world(view.position + view.rotation * *v)).collect();
+        let last = vertices.iter().map(|v| hand.transform(view.position + view.rotation * *v)).collect();
         Self { pool, vertices, normal, height, hand, last }
     }
 
@@ -86,7 +86,7 @@ impl GroundContact {
     /// Updates gap, force and friction of edge `i`; returns the lag of its friction, N.
     fn update(&mut self, i: usize, view: &ObjectView, follow: bool) -> f64 {
         let arm = view.rotation * self.vertices[i];
-        let gap = self.gap(self.hand.to_world(view.position + arm));
+        let gap = self.gap(self.hand.transform(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
@@ -96,7 +96,7 @@ impl GroundContact {
             self.pool.touch(i, &law, last, || clear);
         }
         let anchor = self.pool.edge(i).anchor.unwrap_or(last);
-        let behind = self.pool.rub(i, &law, follow, self.hand.to_hand(anchor) - view.position - arm);
+        let behind = self.pool.rub(i, &law, follow, self.hand.inverse_transform(anchor) - view.position - arm);
         lag.hypot(behind)
     }
 }
@@ -107,9 +107,9 @@ impl ObjectTerm for GroundContact {
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
             let point = view.position + view.rotation * *v;
-            energy += self.pool.law.normal_energy(self.gap(self.hand.to_world(point)), e.scale);
+            energy += self.pool.law.normal_energy(self.gap(self.hand.transform(point)), e.scale);
             if let Some(anchor) = e.sticks() {
-                energy += e.friction_energy(&self.pool.law, slip(self.hand.to_hand(anchor) - point, e.plane));
+                energy += e.friction_energy(&self.pool.law, slip(self.hand.inverse_transform(anchor) - point, e.plane));
             }
         }
         energy
@@ -124,14 +124,14 @@ impl ObjectTerm for GroundContact {
                 block.add_object_pair(view, &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, how.project));
             }
             if let Some(anchor) = e.sticks() {
-                let s = self.hand.to_hand(anchor) - view.position - arm;
+                let s = self.hand.inverse_transform(anchor) - view.position - arm;
                 block.add_object_pair(view, &friction_pair(&self.pool.law, &e, 1.0, s, arm, how));
             }
         }
     }
 
     fn clearance(&self, view: &ObjectView) -> f64 {
-        let gap = |v: &DVec3| self.gap(self.hand.to_world(view.position + view.rotation * *v));
+        let gap = |v: &DVec3| self.gap(self.hand.transform(view.position + view.rotation * *v));
         self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
     }
 
@@ -147,7 +147,7 @@ impl ObjectTerm for GroundContact {
 
     fn commit(&mut self, view: &ObjectView) {
         for (last, v) in self.last.iter_mut().zip(self.vertices.iter()) {
-            *last = self.hand.to_world(view.position + view.rotation * *v);
+            *last = self.hand.transform(view.position + view.rotation * *v);
         }
         let (last, hand, tangential) = (&self.last, &self.hand, self.pool.law.tangential);
         self.pool.commit(|i, e| last[i] - hand.rotation * e.traction * (1.0 / tangential));

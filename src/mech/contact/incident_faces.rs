@@ -3,14 +3,14 @@
 //!
 //! An edge of the object folds the pad and reaches equilibrium in the fold, where it touches both incident faces. The
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
-//! none (see [`Rings::beside`](crate::geometry::mesh::rings::Rings::beside)).
+//! none (see [`Rings::beside`](geometry::mesh::rings::Rings::beside)).
 
 use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use crate::geometry::mesh::rings::{SurfacePart, TrianglePart, TriangleView};
-use crate::geometry::shape::outer;
-use crate::scales::FACE_KEPT;
+use geometry::mesh::rings::{SurfacePart, TrianglePart, TriangleView};
+use geometry::shape::outer;
+use base::scales::FACE_KEPT;
 use glam::{DMat3, DVec3};
 
 /// Closest point, its weight in the sum over all of them, and the derivative of the direction to it in the position of

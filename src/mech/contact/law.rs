@@ -9,7 +9,7 @@
 //! radius.
 
 use super::coulomb::{kept, slips};
-use crate::scales::CONTACT_STIFFNESS;
+use base::scales::CONTACT_STIFFNESS;
 use glam::DVec3;
 
 /// Constants of the law.

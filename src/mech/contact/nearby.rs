@@ -1,7 +1,7 @@
 //! List of the pad points, or contact vertices of the object, that can touch while neither body has moved far since it
 //! was built.
 
-use crate::mech::potential::state::BodyView;
+use crate::potential::state::BodyView;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,9 @@
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
-use crate::mech::potential::block::Pair;
-use crate::mech::potential::cross::{cross_matrix, outer, rotation_hessian};
-use crate::mech::potential::term::Assembly;
+use crate::potential::block::Pair;
+use crate::potential::cross::{cross_matrix, outer, rotation_hessian};
+use crate::potential::term::Assembly;
 use glam::{DMat3, DVec3};
 
 /// Derivatives of the normal energy. With `g` the gap, `u = delta - w x r` the relative motion and `n` the normal,

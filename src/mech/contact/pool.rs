@@ -3,9 +3,9 @@
 use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::slip;
-use crate::error::{Error, Result};
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::scales::NO_FRICTION;
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
+use base::scales::NO_FRICTION;
 use glam::DVec3;
 
 /// Edges of one contact term, current and last accepted. Only points near a surface have an edge, a few hundred out of

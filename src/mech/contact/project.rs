@@ -4,7 +4,7 @@ use super::cells::FaceGrid;
 pub use super::closest_point::ClosestPoint;
 use super::closest_point::{clamp_to_triangle, on_face, project_flat};
 use super::surface::{ContactSurface, SurfaceFace};
-use crate::scales::LOOK_AHEAD;
+use base::scales::LOOK_AHEAD;
 use glam::DVec3;
 
 /// Bounds of the faces of a deformed surface, which exclude most of them from a query.

@@ -2,8 +2,8 @@
 
 use super::incident_faces::{IncidentFace, LastContact};
 use super::surface::ContactSurface;
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::Stencil;
+use crate::potential::state::BodyView;
+use crate::potential::term::Stencil;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

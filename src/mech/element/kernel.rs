@@ -1,7 +1,7 @@
 //! Elastic energy, nodal forces and stiffness of one element.
 
 use super::{RestTet, ShapeFunctions};
-use crate::mech::material::{Dilatation, Material, cauchy, cofactor};
+use crate::material::{Dilatation, Material, cauchy, cofactor};
 use glam::{DMat3, DVec3};
 
 /// Elastic kernel of a tetrahedron with `N` nodes and `Q` quadrature points.

@@ -2,7 +2,7 @@
 //! the result is bitwise independent of the number of elements.
 
 use super::{Kernel, RestTet};
-use crate::mech::material::Tangent;
+use crate::material::Tangent;
 use glam::{DMat3, DVec3};
 
 /// Entries of a 3 x 3 block, column by column, of each of `L` elements.

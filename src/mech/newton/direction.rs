@@ -8,7 +8,7 @@
 
 use super::Newton;
 use super::arrow::RigidSystem;
-use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
+use crate::potential::state::{MAX_RIGID, NewtonStep, State};
 use rayon::prelude::*;
 
 /// Maximum number of Krylov vectors of one direction.

@@ -7,7 +7,7 @@
 //! well.
 
 use super::Failure;
-use crate::interrupt;
+use base::interrupt;
 use std::time::{Duration, Instant};
 
 /// Number of increments, of `max_iterations` each, that a grasp may take to make contact and reach equilibrium, and for

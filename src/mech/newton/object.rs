@@ -1,14 +1,14 @@
 //! Terms of the object alone, in addition to those of the pads.
 
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::contact::GroundContact;
-use crate::mech::potential::block::RigidBlock;
-use crate::mech::potential::dead_force::DeadForce;
-use crate::mech::potential::rigid_inertia::RigidInertia;
-use crate::mech::potential::state::{NewtonStep, RigidUnknowns, State};
-use crate::mech::potential::term::{Assembly, ObjectTerm};
-use crate::mech::potential::time_step::TimeStep;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use crate::contact::GroundContact;
+use crate::potential::block::RigidBlock;
+use crate::potential::dead_force::DeadForce;
+use crate::potential::rigid_inertia::RigidInertia;
+use crate::potential::state::{NewtonStep, RigidUnknowns, State};
+use crate::potential::term::{Assembly, ObjectTerm};
+use crate::potential::time_step::TimeStep;
 
 /// Effects on the object alone; those that a scene does not need are None or empty. A new one takes a field, and a line
 /// in `all` and `all_mut`.

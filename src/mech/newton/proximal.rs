@@ -1,10 +1,10 @@
 //! Proximal springs to the previous state, with which a pseudo-time step is an implicit step of gradient descent.
 
 use super::Newton;
-use crate::mech::body::Body;
-use crate::mech::body::pattern::Pattern;
-use crate::mech::potential::block::{BodyBlock, RigidBlock};
-use crate::mech::potential::state::{RigidUnknowns, State};
+use crate::body::Body;
+use crate::body::pattern::Pattern;
+use crate::potential::block::{BodyBlock, RigidBlock};
+use crate::potential::state::{RigidUnknowns, State};
 use glam::{DMat3, DVec3};
 
 /// Springs that pull rigid unknowns and nodes towards `center`.

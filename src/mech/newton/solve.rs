@@ -2,9 +2,9 @@
 
 use super::lagging::Lagging;
 use super::{Converged, Failure, Newton, NewtonTolerance};
-use crate::mech::potential::state::{MAX_RIGID, NewtonStep, State};
-use crate::mech::potential::term::Assembly;
-use crate::scales::SHARP_MOTION;
+use crate::potential::state::{MAX_RIGID, NewtonStep, State};
+use crate::potential::term::Assembly;
+use base::scales::SHARP_MOTION;
 use std::time::Instant;
 
 /// Largest step of the rigid unknowns in one iteration, as a fraction of the largest motion.

@@ -2,11 +2,11 @@
 
 use super::Newton;
 use super::object::ObjectTerms;
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::potential::edge::{EdgeReading, EdgeState};
-use crate::mech::potential::state::{Departure, State};
-use crate::mech::potential::term::BodyTerm;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use crate::potential::edge::{EdgeReading, EdgeState};
+use crate::potential::state::{Departure, State};
+use crate::potential::term::BodyTerm;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -15,8 +15,8 @@
 
 use super::step_size::StepSize;
 use super::{Advanced, Load, Path};
-use crate::mech::newton::Failure;
-use crate::scales::GONE;
+use crate::newton::Failure;
+use base::scales::GONE;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::AddAssign;

@@ -1,6 +1,6 @@
 //! Pose in which an object was grasped, and the limits of its motion from there.
 
-use crate::mech::potential::state::State;
+use crate::potential::state::State;
 use glam::{DQuat, DVec3};
 
 /// Pose of the object when it was grasped, and its largest motion while it counts as held.

@@ -7,7 +7,7 @@
 //! the increment.
 
 use super::Path;
-use crate::mech::potential::state::State;
+use crate::potential::state::State;
 
 impl Path {
     /// Path error of the increment to `next` at level `to`, over the error allowed. It is zero without error control or

@@ -6,10 +6,10 @@
 //! far or failed, none once the force of the springs is within the tolerance of the out-of-balance forces.
 
 use super::LOOSE;
-use crate::mech::newton::NewtonTolerance;
-use crate::mech::newton::proximal::Proximal;
-use crate::mech::potential::state::State;
-use crate::scales::{PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH};
+use crate::newton::NewtonTolerance;
+use crate::newton::proximal::Proximal;
+use crate::potential::state::State;
+use base::scales::{PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH};
 use serde::{Deserialize, Serialize};
 
 /// Maximum number of iterations of one step with springs.

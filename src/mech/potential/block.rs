@@ -3,8 +3,8 @@
 use super::cross::outer;
 use super::state::{BodyView, MAX_RIGID, ObjectView};
 use super::term::Stencil;
-use crate::mech::body::Body;
-use crate::mech::body::pattern::{FIXED, Pattern};
+use crate::body::Body;
+use crate::body::pattern::{FIXED, Pattern};
 use glam::{DMat3, DVec3};
 
 /// Gradient and Hessian in the rigid unknowns.

@@ -3,8 +3,8 @@
 use super::block::RigidBlock;
 use super::state::ObjectView;
 use super::term::{Assembly, ObjectTerm};
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use glam::{DMat3, DVec3};
 
 /// Dead load at a point of the object: potential `-f . x`.

@@ -4,11 +4,11 @@ use super::block::BodyBlock;
 use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
 use super::time_step::TimeStep;
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::body::Body;
-use crate::mech::body::pattern::{FIXED, Pattern};
-use crate::scene::motion::HandState;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use crate::body::Body;
+use crate::body::pattern::{FIXED, Pattern};
+use geometry::Pose;
 use glam::{DMat3, DVec3};
 
 /// Masses at the nodes: `m / 2 h2 |x - target|2` with the target `x0 + h v0 + h2 g` of each node, in the world.
@@ -29,9 +29,9 @@ pub struct PadInertia {
 
 impl PadInertia {
     /// Creates the inertia of a pad at rest in the world. `view` is the state, `hand` that of the hand.
-    pub fn new(body: &Body, density: f64, gravity: DVec3, hand: HandState, view: &BodyView) -> Self {
+    pub fn new(body: &Body, density: f64, gravity: DVec3, hand: Pose, view: &BodyView) -> Self {
         let mass: Vec<f64> = body.lumped_volume().into_iter().map(|v| v * density).collect();
-        let position: Vec<DVec3> = view.x.iter().map(|x| hand.to_world(*x + view.offset)).collect();
+        let position: Vec<DVec3> = view.x.iter().map(|x| hand.transform(*x + view.offset)).collect();
         let target = vec![DVec3::ZERO; position.len()];
         let velocity = target.clone();
         let step = TimeStep { size: 1.0, hand };
@@ -78,13 +78,13 @@ impl BodyTerm for PadInertia {
         self.step = step;
         let h = step.size;
         for ((target, x), v) in self.target.iter_mut().zip(&self.position).zip(&self.velocity) {
-            *target = step.hand.to_hand(*x + *v * h + self.gravity * (h * h));
+            *target = step.hand.inverse_transform(*x + *v * h + self.gravity * (h * h));
         }
     }
 
     fn commit(&mut self, _: &Body, view: &BodyView) {
         for ((x, v), now) in self.position.iter_mut().zip(&mut self.velocity).zip(view.x) {
-            let now = self.step.hand.to_world(*now + view.offset);
+            let now = self.step.hand.transform(*now + view.offset);
             *v = (now - *x) / self.step.size;
             *x = now;
         }

@@ -5,10 +5,10 @@ use super::cross::{cross_matrix, rotation_hessian};
 use super::state::ObjectView;
 use super::term::{Assembly, ObjectTerm};
 use super::time_step::TimeStep;
-use crate::error::Result;
-use crate::geometry::shape::MassProperties;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::scene::motion::HandState;
+use base::error::Result;
+use geometry::shape::MassProperties;
+use base::history::{HistoryReader, HistoryWriter};
+use geometry::Pose;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -68,14 +68,14 @@ impl RigidInertia {
         density: f64,
         gravity: DVec3,
         (velocity, spin): (DVec3, DVec3),
-        hand: HandState,
+        hand: Pose,
         view: &ObjectView,
     ) -> Self {
         let inertia = mass.inertia * density;
         let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
         let rotation = (hand.rotation * DQuat::from_mat3(&view.rotation)).normalize();
         let turn = DMat3::from_quat(rotation);
-        let position = hand.to_world(view.position + view.rotation * mass.center);
+        let position = hand.transform(view.position + view.rotation * mass.center);
         let momentum = turn * (inertia * (turn.transpose() * spin));
         Self {
             mass: mass.volume * density,
@@ -96,7 +96,7 @@ impl RigidInertia {
     pub fn begin(&mut self, step: &TimeStep) {
         self.step = *step;
         let (h, m) = (step.size, &self.state);
-        self.target = step.hand.to_hand(m.position + m.velocity * h + self.gravity * (h * h));
+        self.target = step.hand.inverse_transform(m.position + m.velocity * h + self.gravity * (h * h));
         let back = step.hand.rotation.conjugate();
         self.from = DMat3::from_quat((back * m.rotation).normalize());
         self.momentum = back * m.momentum;
@@ -195,7 +195,7 @@ impl ObjectTerm for RigidInertia {
 
     fn commit(&mut self, view: &ObjectView) {
         let (h, hand) = (self.step.size, &self.step.hand);
-        let position = hand.to_world(view.position + view.rotation * self.center);
+        let position = hand.transform(view.position + view.rotation * self.center);
         let velocity = (position - self.state.position) / h;
         let momentum = hand.rotation * self.step_momentum(&view.rotation);
         self.rate = ((velocity - self.state.velocity) / h, (momentum - self.state.momentum) / h);

@@ -17,7 +17,7 @@
 //! Energy of oscillations is dissipated at a rate that decreases with the step (first order); energy of free flight and
 //! free rotation is not. Errors of positions are of first order: a free fall is off by `g h t / 2`.
 
-use crate::scene::motion::HandState;
+use geometry::Pose;
 
 /// Time step, as passed to the terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,5 +25,5 @@ pub struct TimeStep {
     /// Length of the step, s.
     pub size: f64,
     /// State of the hand at its end.
-    pub hand: HandState,
+    pub hand: Pose,
 }

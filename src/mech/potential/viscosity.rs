@@ -3,10 +3,10 @@
 use super::block::BodyBlock;
 use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
-use crate::error::Result;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::body::Body;
-use crate::mech::body::pattern::FIXED;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
+use crate::body::Body;
+use crate::body::pattern::FIXED;
 use glam::DVec3;
 use std::sync::Arc;
 

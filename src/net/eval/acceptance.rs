@@ -2,8 +2,8 @@
 //! finite elements.
 
 use super::Judged;
-use crate::net::eval::table::FROM_LOAD;
-use crate::stats::Spread;
+use crate::eval::table::FROM_LOAD;
+use base::stats::Spread;
 use serde::Serialize;
 
 /// Bounds on the error that are evaluated.

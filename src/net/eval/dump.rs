@@ -1,20 +1,20 @@
 //! Inputs and outputs of a network for one grasp, as plain arrays (`.npz`), to check a second implementation against.
 //!
-//! The arrays of the face network are those of [`crate::net::infer::inputs`]. Those of the paper's network have the
-//! rows of [`crate::net::features::volume`]; a sparse map NAME is stored as `NAME_at` (entries, 2: row, column) and
+//! The arrays of the face network are those of [`crate::infer::inputs`]. Those of the paper's network have the
+//! rows of [`crate::features::volume`]; a sparse map NAME is stored as `NAME_at` (entries, 2: row, column) and
 //! `NAME_weight`, edges as (edges, 2: sender, receiver). Outputs are in the network's units, with the rows of
-//! [`crate::net::network::NetworkOutput`].
+//! [`crate::network::NetworkOutput`].
 
-use crate::error::Result;
-use crate::files::atomic::replace;
+use base::error::Result;
+use base::files::atomic::replace;
 use crate::kernel::Sparse;
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
-use crate::net::infer::inputs::{Array, grasp_inputs, pad_inputs};
-use crate::net::infer::predict::Predictor;
-use crate::net::network::spec::{NetworkSpec, Paper};
-use crate::net::network::{Inputs, VolumeNormalisers};
-use crate::net::train::sample::Sample;
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::infer::inputs::{Array, grasp_inputs, pad_inputs};
+use crate::infer::predict::Predictor;
+use crate::network::spec::{NetworkSpec, Paper};
+use crate::network::{Inputs, VolumeNormalisers};
+use crate::train::sample::Sample;
 use ndarray::{Array2, ArrayD};
 use ndarray_npy::NpzWriter;
 use std::io;

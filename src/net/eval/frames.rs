@@ -1,16 +1,16 @@
 //! Truth and prediction of a grasp of a data set, as frames in hand axes.
 
-use crate::dataset::inspect::frame;
-use crate::dataset::{ObjectFile, StoredGrasp};
-use crate::error::Result;
-use crate::gripper::GraspPose;
+use dataset::inspect::frame;
+use dataset::{ObjectFile, StoredGrasp};
+use base::error::Result;
+use geometry::Pose;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::{GraspLoad, loads_of};
-use crate::model::Model;
-use crate::net::infer::predict::{PadState, Predictor};
-use crate::net::infer::touch::object_at;
-use crate::record::{Frame, PadFrame, Wrench};
-use crate::world::components::ObjectPose;
+use model::Model;
+use crate::infer::predict::{PadState, Predictor};
+use crate::infer::touch::object_at;
+use record::{Frame, PadFrame, Wrench};
+use world::components::ObjectPose;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub fn both(
     grasp: &StoredGrasp,
     wanted: &[usize],
 ) -> Result<[Vec<Frame>; 2]> {
-    let touch = GeometricContact::find(model, GraspPose::from_row(&grasp.grasp_pose))?;
+    let touch = GeometricContact::find(model, Pose::from_row(&grasp.grasp_pose))?;
     let seen = predictor.look(model, &predictor.graph(model)?, &touch);
     let all = loads_of(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };

@@ -1,9 +1,9 @@
 //! Pictures of truth above prediction, with the same colour and arrow scales.
 
-use crate::dataset::ObjectFile;
-use crate::error::{Error, Result};
-use crate::record::Frame;
-use crate::render::{Pixmap, Scalar, Style, WIDTH, longest_arrow, render_pads};
+use dataset::ObjectFile;
+use base::error::{Error, Result};
+use record::Frame;
+use record::render::{Pixmap, Scalar, Style, WIDTH, longest_arrow, render_pads};
 use tiny_skia::{PixmapPaint, Transform};
 
 /// Draws a frame of grasp `number` above its prediction.

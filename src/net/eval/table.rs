@@ -1,9 +1,9 @@
 //! Medians, 90th percentiles and worst values of the errors, over all frames and by object, load and frame.
 
 use super::{FrameError, Judged};
-use crate::net::eval::rank::kendall;
-use crate::record::ErrorBound;
-use crate::stats::Spread;
+use crate::eval::rank::kendall;
+use record::ErrorBound;
+use base::stats::Spread;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@ use crate::linear::GraspLoad;
 use crate::linear::balance::{ObjectBalance, Pressed};
 use crate::linear::projected_gradient::{LANES, Touching, projected_contact};
 use crate::linear::rigid_equilibrium::Rest;
-use crate::net::features::rows;
+use crate::features::rows;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;

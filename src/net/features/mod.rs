@@ -14,13 +14,13 @@ pub mod volume;
 
 use self::sub_element::Nearest;
 use self::volume::Volume;
-use crate::gripper::FingerPlacement;
+use model::gripper::FingerPlacement;
 use crate::kernel::Sparse;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{Layout, PadGraph};
 use crate::linear::rigid_equilibrium::RigidEquilibrium;
-use crate::model::Model;
-use crate::world::components::ObjectPose;
+use model::Model;
+use world::components::ObjectPose;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 

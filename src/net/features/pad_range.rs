@@ -1,6 +1,6 @@
 //! Dimensions of pads, and their range in a training set.
 
-use crate::record::{ElementNodes, PadTopology};
+use record::{ElementNodes, PadTopology};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;

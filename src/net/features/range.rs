@@ -2,10 +2,10 @@
 
 use super::GraspFeatures;
 use super::pad_range::{PadRange, Sensor};
-use crate::error::{Error, Result};
-use crate::model::Model;
-use crate::net::features::normalise::MOST;
-use crate::record::PadTopology;
+use base::error::{Error, Result};
+use model::Model;
+use crate::features::normalise::MOST;
+use record::PadTopology;
 use serde::{Deserialize, Serialize};
 
 /// Range of the training set.

@@ -10,14 +10,14 @@
 //! once.
 
 use super::Parity;
-use crate::geometry::Aabb;
+use geometry::Aabb;
 use crate::kernel::Sparse;
 use crate::linear::edges::Edges;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
-use crate::mech::element::EDGES;
-use crate::model::Model;
-use crate::record::{ElementNodes, PadTopology};
+use mech::element::EDGES;
+use model::Model;
+use record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -3,12 +3,12 @@
 use super::predict::{GraspState, PadState};
 use super::touch::touched;
 use crate::linear::pad_graph::PadGraph;
-use crate::net::autodiff::tape::Matrix;
-use crate::net::features::GraspFeatures;
-use crate::net::features::loads::LoadFeatures;
-use crate::net::network::interval::{Interval, Signs};
-use crate::net::network::{NetworkOutput, Normalisers};
-use crate::record::ErrorBound;
+use crate::autodiff::tape::Matrix;
+use crate::features::GraspFeatures;
+use crate::features::loads::LoadFeatures;
+use crate::network::interval::{Interval, Signs};
+use crate::network::{NetworkOutput, Normalisers};
+use record::ErrorBound;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;

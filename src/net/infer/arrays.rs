@@ -3,13 +3,13 @@
 use super::many::PredictedGrasp;
 use super::predict::{GraspState, PadState};
 use super::touch::object_at;
-use crate::error::Result;
-use crate::gripper::GraspPose;
+use base::error::Result;
+use geometry::Pose;
 use crate::linear::GraspLoad;
-use crate::model::Model;
-use crate::observe::Now;
-use crate::record::{ErrorBound, names};
-use crate::world::components::ObjectPose;
+use model::Model;
+use model::observe::Now;
+use record::{ErrorBound, names};
+use world::components::ObjectPose;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -55,7 +55,7 @@ pub fn each_array<E>(
     put(names::TRAVEL, &of_pads, every_pad(&|pad| vec![pad.travel as f32]))?;
     let pose = |answer: &PredictedGrasp, state: &GraspState| {
         let ObjectPose { position, rotation } = object_at(model, &answer.touch, &state.pads);
-        GraspPose { position, rotation }.row().map(|v| v as f32).to_vec()
+        Pose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
     put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.hold as f32).collect())?;

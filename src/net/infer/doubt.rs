@@ -1,19 +1,19 @@
 //! Grasps with the largest predicted error, which are the most useful to add to a training set.
 
 use super::predict::Predictor;
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
+use base::error::{Error, Result};
+use geometry::Pose;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::loads_of;
-use crate::model::Model;
-use crate::scene::Scene;
+use model::Model;
+use scene::Scene;
 
 /// Returns for each grasp of `scene` the upper end of the prediction interval (90 %) of the displacement error under
 /// the last load; zero for a grasp that cannot start, infinite (unknown) outside the range of the training.
 ///
 /// # Errors
 /// Fails if the scene cannot be built, and for a model without prediction intervals.
-pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[GraspPose]) -> Result<Vec<f64>> {
+pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>> {
     if let Some(unknown) = predictor.card.unknown_error() {
         return Err(Error::Start(unknown));
     }
@@ -21,7 +21,7 @@ pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[GraspPose]) -> Resu
     let graph = predictor.graph(&model)?;
     let loads = loads_of(&model);
     let last = loads.last().copied().unwrap_or_default();
-    let doubt = |pose: &GraspPose| {
+    let doubt = |pose: &Pose| {
         let Ok(touch) = GeometricContact::find(&model, *pose) else { return Ok(0.0) };
         Ok(predictor.at(&predictor.look(&model, &graph, &touch), last)?.error.displacement)
     };

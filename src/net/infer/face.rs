@@ -5,12 +5,12 @@ use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, r
 use super::response::{self, respond};
 use crate::kernel::activation::Act;
 use crate::kernel::product::{Packed, Product, RowsView, padded};
-use crate::net::autodiff::tape::Matrix;
-use crate::net::features::loads::LoadFeatures;
-use crate::net::features::{EDGE, GraspFeatures, NODE, PAD};
-use crate::net::network::parameters::Parameters;
-use crate::net::network::spec::Face;
-use crate::net::network::{NetworkOutput, Normalisers};
+use crate::autodiff::tape::Matrix;
+use crate::features::loads::LoadFeatures;
+use crate::features::{EDGE, GraspFeatures, NODE, PAD};
+use crate::network::parameters::Parameters;
+use crate::network::spec::Face;
+use crate::network::{NetworkOutput, Normalisers};
 use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -105,7 +105,7 @@ impl FaceEngine {
     /// the caches.
     pub const LOADS: usize = 32;
 
-    /// Creates the engine from the parameters of a [`crate::net::network::face::FaceNetwork`] of these sizes.
+    /// Creates the engine from the parameters of a [`crate::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
         let get = |name: &str| parameters.named(name).value();

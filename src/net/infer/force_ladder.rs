@@ -8,7 +8,7 @@
 
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use crate::error::Result;
+use base::error::Result;
 use crate::linear::{GraspLoad, around};
 use glam::DVec3;
 

@@ -3,10 +3,10 @@
 use super::many::PredictedGrasp;
 use super::predict::PadState;
 use super::touch::object_at;
-use crate::model::Model;
-use crate::record::{Frame, PadFrame};
-use crate::world::components::{ContactForce, ObjectPose};
-use crate::world::systems::{contact_area, slip};
+use model::Model;
+use record::{Frame, PadFrame};
+use world::components::{ContactForce, ObjectPose};
+use world::systems::{contact_area, slip};
 use glam::DVec3;
 
 impl PredictedGrasp {

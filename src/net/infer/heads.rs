@@ -7,11 +7,11 @@ use super::face::{Code, beside, multiply, row};
 use super::message::BLOCK;
 use crate::kernel::activation::{Act, positive};
 use crate::kernel::product::{Packed, Product, RowsView, padded, product};
-use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::net::network::Normalisers;
-use crate::net::network::face::LITTLE;
-use crate::net::network::parameters::Parameters;
-use crate::net::network::spec::Face;
+use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
+use crate::network::Normalisers;
+use crate::network::face::LITTLE;
+use crate::network::parameters::Parameters;
+use crate::network::spec::Face;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -245,7 +245,7 @@ impl WithSimd for NodeBlock<'_> {
 }
 
 /// Computes the contact forces of a pad from its channels, as corrections of the projected contact:
-/// [`crate::net::autodiff::ops::share`].
+/// [`crate::autodiff::ops::share`].
 fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;

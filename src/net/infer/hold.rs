@@ -5,7 +5,7 @@ use super::touch::object_at;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::limit_surface::LimitSurface;
-use crate::model::Model;
+use model::Model;
 use glam::DVec3;
 
 /// Returns true if weight or a push acts on the object of a grasp with first contact `touch`.

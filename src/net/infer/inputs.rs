@@ -5,11 +5,11 @@
 
 use crate::linear::balance::{EQUATIONS, ObjectBalance};
 use crate::linear::pad_graph::PadGraph;
-use crate::net::autodiff::ops::{deviated, displaced, respond};
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::net::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
-use crate::net::network::{Inputs, Normalisers};
+use crate::autodiff::ops::{deviated, displaced, respond};
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
+use crate::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
+use crate::network::{Inputs, Normalisers};
 use std::sync::Arc;
 
 /// Named array.

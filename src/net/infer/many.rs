@@ -5,13 +5,13 @@ use super::FaceEngine;
 use super::hold::{hold, pulls};
 use super::predict::{Predictor, Seen};
 use super::ramp::Ramp;
-use crate::error::Result;
-use crate::gripper::GraspPose;
-use crate::interrupt;
+use base::error::Result;
+use geometry::Pose;
+use base::interrupt;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
-use crate::model::Model;
-use crate::world::environment::Environment;
+use model::Model;
+use world::environment::Environment;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl Predictor {
     pub fn many(
         &self,
         model: &Arc<Model>,
-        poses: &[GraspPose],
+        poses: &[Pose],
         extrapolate: bool,
     ) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit_some(model, extrapolate)?;
@@ -47,9 +47,9 @@ impl Predictor {
         // Groups are small enough to occupy all threads; their composition does not change a single bit.
         let each = poses.len().div_ceil(rayon::current_num_threads());
         let together = (FaceEngine::LOADS / Ramp::decoded_at_first(model, &loads).max(1)).min(each).clamp(1, TOGETHER);
-        let predict = |environment: &mut Option<Environment>, poses: &[GraspPose]| -> Result<Vec<_>> {
+        let predict = |environment: &mut Option<Environment>, poses: &[Pose]| -> Result<Vec<_>> {
             interrupt::check()?;
-            let touch = |pose: &GraspPose| GeometricContact::find_in(environment, model, *pose);
+            let touch = |pose: &Pose| GeometricContact::find_in(environment, model, *pose);
             let touches: Vec<Result<GeometricContact>> = poses.iter().map(touch).collect();
             let seen: Vec<Seen> =
                 touches.iter().flatten().map(|touch| self.look(model, &graph, touch).as_needed()).collect();

@@ -152,7 +152,7 @@ impl WithSimd for ProjectBlock<'_> {
     }
 }
 
-/// Regularisation added to the variance, as in [`crate::net::autodiff::ops::layer_norm`].
+/// Regularisation added to the variance, as in [`crate::autodiff::ops::layer_norm`].
 const EPSILON: f32 = 1e-5;
 
 #[inline(always)]

@@ -10,10 +10,10 @@
 use super::FaceEngine;
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use crate::error::Result;
+use base::error::Result;
 use crate::linear::GraspLoad;
-use crate::model::Model;
-use crate::record::ErrorBound;
+use model::Model;
+use record::ErrorBound;
 use glam::DVec3;
 use std::ops::Range;
 

@@ -8,8 +8,8 @@ use crate::kernel::activation::Act;
 use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::linear::compliance::Compliance;
 use crate::linear::pad_graph::PadGraph;
-use crate::net::autodiff::ops::LITTLE;
-use crate::net::network::Normalisers;
+use crate::autodiff::ops::LITTLE;
+use crate::network::Normalisers;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 

@@ -3,19 +3,19 @@
 
 use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
-use crate::interrupt;
+use base::error::{Error, Result};
+use geometry::Pose;
+use base::interrupt;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
-use crate::model::Model;
-use crate::net::features::GraspFeatures;
-use crate::net::network::card::{Card, Trained};
-use crate::net::network::spec::NetworkSpec;
-use crate::part::FingerModel;
-use crate::scene::{Loading, Scene};
-use crate::world::environment::Environment;
+use model::Model;
+use crate::features::GraspFeatures;
+use crate::network::card::{Card, Trained};
+use crate::network::spec::NetworkSpec;
+use model::part::FingerModel;
+use scene::{Loading, Scene};
+use world::environment::Environment;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use std::path::Path;
@@ -52,7 +52,7 @@ impl GripChange {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grip {
     /// Pose of the hand.
-    pub pose: GraspPose,
+    pub pose: Pose,
     /// Force under each load, N: the sum over the fingers.
     pub force: Vec<f64>,
     /// Coulomb's coefficient of friction.

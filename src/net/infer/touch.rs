@@ -5,10 +5,10 @@ use super::predict::PadState;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::object_motion::moved;
-use crate::model::Model;
-use crate::net::features::GraspFeatures;
-use crate::net::network::interval::Signs;
-use crate::world::components::ObjectPose;
+use model::Model;
+use crate::features::GraspFeatures;
+use crate::network::interval::Signs;
+use world::components::ObjectPose;
 use glam::DVec3;
 
 /// Pressing force of a node, over the largest, below which the node is not used to locate the object.

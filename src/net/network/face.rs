@@ -16,16 +16,16 @@
 use super::{Inputs, Network, NetworkOutput, constant, repeat};
 use crate::kernel::Sparse;
 use crate::linear::pad_graph::Layout;
-use crate::net::autodiff::ops::{
+use crate::autodiff::ops::{
     Activation, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, share, sum,
     von_mises,
 };
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::net::features::{EDGE, NODE, PAD};
-use crate::net::network::parameters::{Id, Maker, Parameters};
-use crate::net::network::spec::Face;
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
+use crate::features::{EDGE, NODE, PAD};
+use crate::network::parameters::{Id, Maker, Parameters};
+use crate::network::spec::Face;
 use std::sync::Arc;
 
 /// Weights and bias of a layer.

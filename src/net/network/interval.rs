@@ -6,7 +6,7 @@
 //! half yields the factor from the estimate to the end of the interval, so that the interval contains 90 % of the
 //! errors of similar grasps.
 
-use crate::record::ErrorBound;
+use record::ErrorBound;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
@@ -136,7 +136,7 @@ impl Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use base::random::Random;
 
     /// Draws grasps whose error depends on an indicator, with multiplicative scatter.
     fn drawn(count: usize, random: &mut Random) -> Vec<Kept> {

@@ -14,13 +14,13 @@
 use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::linear::edges::Edges;
 use crate::linear::pad_graph::Layout;
-use crate::net::autodiff::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::LoadFeatures;
-use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
-use crate::net::network::parameters::{Id, Maker, Parameters};
-use crate::net::network::spec::Paper;
+use crate::autodiff::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::loads::LoadFeatures;
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::network::parameters::{Id, Maker, Parameters};
+use crate::network::spec::Paper;
 
 /// Weights and bias of a layer.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,9 @@
 //! Parameters of a network: named matrices in a fixed order, their initial values, and their file.
 
-use crate::error::{Error, Result};
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::Matrix;
-use crate::random::Random;
+use base::error::{Error, Result};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::Matrix;
+use base::random::Random;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;
 

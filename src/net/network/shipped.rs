@@ -42,7 +42,7 @@ pub fn names() -> String {
 #[cfg(test)]
 mod tests {
     use super::ALL;
-    use crate::scene::stepper::SHIPPED_MODELS;
+    use scene::stepper::SHIPPED_MODELS;
 
     /// Checks that the model names listed for scenes are those of the embedded models.
     #[test]

@@ -1,7 +1,7 @@
 //! RON description of a model: its network and its training.
 
-use crate::error::{Error, Result};
-use crate::scene::leaf::{Count, Fraction, Positive};
+use base::error::{Error, Result};
+use scene::leaf::{Count, Fraction, Positive};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -124,6 +124,6 @@ impl Spec {
             let at = e.span.start;
             Error::Scene(format!("error: {}:{}:{}: {}", path.display(), at.line, at.col, e.code))
         };
-        crate::scene::dialect::options().from_str(&text).map_err(bad)
+        scene::dialect::options().from_str(&text).map_err(bad)
     }
 }

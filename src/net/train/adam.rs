@@ -1,6 +1,6 @@
 //! Adam (Kingma and Ba 2015), with accessible moments, so that training resumes exactly.
 
-use crate::net::network::parameters::Parameters;
+use crate::network::parameters::Parameters;
 use dfdx::tensor_ops::AdamConfig;
 
 /// State of the optimiser.

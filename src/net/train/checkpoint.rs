@@ -2,8 +2,8 @@
 
 use super::TrainingState;
 use super::curves::Epoch;
-use crate::error::{Error, Result};
-use crate::files::atomic::write_durable;
+use base::error::{Error, Result};
+use base::files::atomic::write_durable;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! Loss curve as CSV, extended after every epoch, and as PNG.
 
-use crate::error::{Error, Result};
-use crate::files::atomic::write_atomic;
-use crate::render::{encode, render_curves};
+use base::error::{Error, Result};
+use base::files::atomic::write_atomic;
+use record::render::{encode, render_curves};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -1,22 +1,22 @@
 //! Training data: grasps of a data set, their statistics and range, and the held-out validation grasps.
 
-use crate::dataset::split::{Poses, Sets};
-use crate::dataset::{DataSet, Splits};
-use crate::error::{Error, Result};
-use crate::interrupt;
+use dataset::split::{Poses, Sets};
+use dataset::{DataSet, Splits};
+use base::error::{Error, Result};
+use base::interrupt;
 use crate::linear::known_pads::KnownPads;
 use crate::linear::pad_graph::Layout;
-use crate::model::Model;
-use crate::net::autodiff::ops::{displaced, respond};
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::net::features::normalise::Normaliser;
-use crate::net::features::range::TrainedRange;
-use crate::net::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
-use crate::net::features::{EDGE, NODE, PAD, Parity};
-use crate::net::network::{Normalisers, VolumeNormalisers};
-use crate::net::train::sample::{Sample, model_of};
-use crate::random::Random;
+use model::Model;
+use crate::autodiff::ops::{displaced, respond};
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
+use crate::features::normalise::Normaliser;
+use crate::features::range::TrainedRange;
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::{EDGE, NODE, PAD, Parity};
+use crate::network::{Normalisers, VolumeNormalisers};
+use crate::train::sample::{Sample, model_of};
+use base::random::Random;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Errors of a prediction against a data set.
 
 use super::sample::Sample;
-use crate::net::infer::predict::{GraspState, PadState};
-use crate::record::ErrorBound;
+use crate::infer::predict::{GraspState, PadState};
+use record::ErrorBound;
 use glam::DVec3;
 use serde::Serialize;
 

@@ -1,22 +1,22 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use crate::dataset::{ObjectFile, StoredGrasp};
-use crate::error::{Error, Result};
-use crate::gripper::GraspPose;
+use dataset::{ObjectFile, StoredGrasp};
+use base::error::{Error, Result};
+use geometry::Pose;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::object_motion::motion;
 use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
-use crate::model::Model;
-use crate::net::autodiff::ops::{product, root_error};
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
-use crate::net::features::loads::LoadFeatures;
-use crate::net::features::rows;
-use crate::net::features::{GraspFeatures, ROTATION, VECTOR};
-use crate::net::network::{NetworkOutput, Normalisers};
-use crate::scene::from_ron;
-use crate::world::components::ObjectPose;
+use model::Model;
+use crate::autodiff::ops::{product, root_error};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::loads::LoadFeatures;
+use crate::features::rows;
+use crate::features::{GraspFeatures, ROTATION, VECTOR};
+use crate::network::{NetworkOutput, Normalisers};
+use scene::from_ron;
+use world::components::ObjectPose;
 
 use std::sync::Arc;
 
@@ -86,7 +86,7 @@ impl Sample {
         data: &StoredGrasp,
         most: usize,
     ) -> Result<Self> {
-        let touch = GeometricContact::find(model, GraspPose::from_row(&data.grasp_pose))?;
+        let touch = GeometricContact::find(model, Pose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let last = data.frames.saturating_sub(1);
         let frames = (0..count).map(|i| if count > 1 { i * last / (count - 1) } else { last });
@@ -121,7 +121,7 @@ impl Sample {
                 sample.contact.extend(graph.face.iter().flat_map(|i| &force[3 * *i as usize..3 * *i as usize + 3]));
             }
             sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
-            let GraspPose { position, rotation } = GraspPose::from_row(&data.object_pose[7 * k..]);
+            let Pose { position, rotation } = Pose::from_row(&data.object_pose[7 * k..]);
             let now = ObjectPose { position, rotation };
             for finger in &model.fingers {
                 let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
@@ -180,7 +180,7 @@ impl Sample {
             }
             (target, rows)
         };
-        let sign = |parity: &[crate::net::features::Parity]| parity.iter().map(|p| p.sign(mirror)).collect::<Vec<_>>();
+        let sign = |parity: &[crate::features::Parity]| parity.iter().map(|p| p.sign(mirror)).collect::<Vec<_>>();
         let (u, u_rows) = field(&self.displacement, 3, &sign(&VECTOR), &|at| depth[at] * f64::from(norms.displacement));
         let stress_unit = |at: usize| self.features.young * depth[at] / t * f64::from(norms.stress);
         let (s, s_rows) = field(&self.stress, 1, &[1.0], &stress_unit);
@@ -220,6 +220,6 @@ impl Sample {
             part(&output.travel, &travel, &travel_rows, weights[2]),
             part(&output.motion, &motion, &motion_rows, weights[3]),
         ];
-        crate::net::autodiff::ops::sum(tape, &parts.each_ref(), crate::net::autodiff::ops::Activation::None)
+        crate::autodiff::ops::sum(tape, &parts.each_ref(), crate::autodiff::ops::Activation::None)
     }
 }

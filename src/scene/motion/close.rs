@@ -1,7 +1,7 @@
 //! Motion that changes the squeezing force.
 
 use super::{HandState, Play, Stage};
-use crate::scene::leaf::{NonNegative, Seconds};
+use crate::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 
 /// Changes the squeezing force linearly in time to `force`, which is kept until the next `Close`.

@@ -1,7 +1,7 @@
 //! Motion that keeps the hand in place.
 
 use super::{HandState, Play, Stage};
-use crate::scene::leaf::Seconds;
+use crate::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 
 /// Keeps the hand in place, with its present squeezing force.

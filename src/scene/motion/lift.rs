@@ -1,7 +1,7 @@
 //! Motion against gravity.
 
 use super::{HandState, Play, Stage, smooth};
-use crate::scene::leaf::{Finite, Seconds};
+use crate::leaf::{Finite, Seconds};
 use serde::{Deserialize, Serialize};
 
 /// Moves the hand against gravity, starting and ending at rest.

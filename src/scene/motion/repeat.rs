@@ -1,7 +1,7 @@
 //! Motion that repeats others.
 
 use super::{HandState, Motion, Play, Stage, duration, follow, squeezes};
-use crate::scene::leaf::Count;
+use crate::leaf::Count;
 use serde::{Deserialize, Serialize};
 
 /// Executes a sequence of motions several times.

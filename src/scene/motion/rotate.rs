@@ -1,8 +1,8 @@
 //! Rotation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
-use crate::scene::leaf::{Finite, Seconds};
-use crate::scene::vector::Direction;
+use crate::leaf::{Finite, Seconds};
+use crate::vector::Direction;
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ impl Play for Rotate {
         let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
         let rotation = (start.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
         // The point midway between the pads is the centre of rotation.
-        let position = start.to_world(stage.center) - rotation * stage.center;
+        let position = start.transform(stage.center) - rotation * stage.center;
         HandState { position, rotation, ..*start }
     }
 }

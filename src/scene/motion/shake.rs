@@ -1,8 +1,8 @@
 //! Oscillation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
-use crate::scene::leaf::{Length, Positive, Seconds};
-use crate::scene::vector::Direction;
+use crate::leaf::{Length, Positive, Seconds};
+use crate::vector::Direction;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! Translation of the hand.
 
 use super::{HandState, Play, Stage, smooth};
-use crate::scene::leaf::Seconds;
-use crate::scene::vector::Vec3;
+use crate::leaf::Seconds;
+use crate::vector::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Moves the hand by a vector, starting and ending at rest.

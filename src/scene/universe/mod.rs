@@ -17,7 +17,7 @@ use super::object::{DroppedAfter, Object, ObjectMotion};
 use super::objects::{Entry, Name};
 use super::task::Span;
 use super::vector::{Tuple, Vec3};
-use crate::random::Random;
+use base::random::Random;
 use serde::{Deserialize, Serialize};
 
 pub use pad::PadSpans;

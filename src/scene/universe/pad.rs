@@ -1,11 +1,11 @@
 //! Pads drawn at random.
 
 use super::{Draws, written};
-use crate::scene::defaults;
-use crate::scene::leaf::{Length, NonNegative};
-use crate::scene::pad::{BoxPad, DiscPad, GelShape, GelSightMini, Pads};
-use crate::scene::task::Span;
-use crate::scene::vector::Tuple;
+use crate::defaults;
+use crate::leaf::{Length, NonNegative};
+use crate::pad::{BoxPad, DiscPad, GelShape, GelSightMini, Pads};
+use crate::task::Span;
+use crate::vector::Tuple;
 use serde::{Deserialize, Serialize};
 
 /// Ranges of pads. Pads that are neither round nor domed are boxes.

@@ -1,9 +1,9 @@
 //! Shapes drawn at random.
 
 use super::{Draws, written};
-use crate::scene::leaf::{Count, Depth, Finite, Length, NonNegative, Positive};
-use crate::scene::object::*;
-use crate::scene::vector::{Tuple, Vec2};
+use crate::leaf::{Count, Depth, Finite, Length, NonNegative, Positive};
+use crate::object::*;
+use crate::vector::{Tuple, Vec2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 

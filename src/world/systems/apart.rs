@@ -1,9 +1,9 @@
 //! Rejection of pads that meet next to a thin object: contact between the pads is not modelled.
 
-use crate::mech::contact::{ContactSurface, SurfaceFace};
-use crate::scales::FACE_BULGE;
-use crate::world::components::{ClosingDirection, FingerIndex, FingerTravel, Position, TABLES, rows_by_pad};
-use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
+use mech::contact::{ContactSurface, SurfaceFace};
+use base::scales::FACE_BULGE;
+use crate::components::{ClosingDirection, FingerIndex, FingerTravel, Position, TABLES, rows_by_pad};
+use crate::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
 

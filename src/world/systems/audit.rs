@@ -1,7 +1,7 @@
 //! Audit as a system, which exists only if an expectation of the scene requires it.
 
-use crate::judge::Findings;
-use crate::world::schedule::{CurrentGrasp, Recorded, Shared, Timings};
+use model::judge::Findings;
+use crate::schedule::{CurrentGrasp, Recorded, Shared, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use std::time::Instant;
@@ -21,7 +21,7 @@ pub fn audit_frame(
     let model = &shared.0;
     let (Some(auditor), Some(frame)) = (&model.auditor, &recorded.0) else { return };
     let clock = Instant::now();
-    let gravity = model.gravity.map_or(DVec3::ZERO, |g| grasp.0.object_in_hand().rotation * g);
+    let gravity = model.gravity.map_or(DVec3::ZERO, |g| grasp.0.inverse().rotation * g);
     audited.0 = Some(auditor.judge(&model.fingers, frame, gravity));
     *timings.stages.entry("audit").or_insert(0.0) += clock.elapsed().as_secs_f64();
 }

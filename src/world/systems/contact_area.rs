@@ -1,9 +1,9 @@
 //! Contact area of each pad.
 
-use crate::mech::potential::term::Stencil;
-use crate::part::FingerModel;
-use crate::world::components::*;
-use crate::world::schedule::Shared;
+use mech::potential::term::Stencil;
+use model::part::FingerModel;
+use crate::components::*;
+use crate::schedule::Shared;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 

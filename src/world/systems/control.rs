@@ -1,7 +1,7 @@
 //! Commands of the gripper: the pose of the object at the start, and the load of the next frame.
 
-use crate::world::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::world::schedule::{CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport};
+use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
+use crate::schedule::{CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Places the object at its grasp pose in the open hand.
@@ -15,7 +15,7 @@ pub fn place_object(
     if *phase != Phase::Place {
         return;
     }
-    let start = grasp.0.object_in_hand();
+    let start = grasp.0.inverse();
     **pose = ObjectPose { position: start.position, rotation: start.rotation };
     travel.iter_mut().for_each(|mut t| t.0 = 0.0);
     next.request(Phase::Close);

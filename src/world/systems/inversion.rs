@@ -1,7 +1,7 @@
 //! Error message for an inverted element.
 
-use crate::model::Model;
-use crate::record::pad_name;
+use model::Model;
+use record::pad_name;
 use glam::DVec3;
 
 /// Describes the most inverted element of the pads and its reference position; `x`: node positions of each pad, m.

@@ -1,8 +1,8 @@
 //! Balance of the forces of a frame, computed from the wrenches alone, for any stepper.
 
-use crate::record::Wrench;
-use crate::world::components::*;
-use crate::world::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
+use record::Wrench;
+use crate::components::*;
+use crate::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub fn measure_balance(
     let ground = ground.copied().unwrap_or_default();
     let inertia = inertia.copied().unwrap_or_default();
     if let Some(push) = &model.push {
-        let turn = pose.rotation * grasp.0.object_in_hand().rotation.inverse();
+        let turn = pose.rotation * grasp.0.inverse().rotation.inverse();
         force += push.force * load.push;
         torque += push.torque_after(turn) * load.push;
     }

@@ -11,9 +11,9 @@ pub(crate) mod sense;
 pub(crate) mod slip;
 mod tactile;
 
-use crate::model::Needs;
-use crate::world::schedule::{StepSet, ramping, reached};
-use crate::world::systems::audit::audit_frame;
+use model::Needs;
+use crate::schedule::{StepSet, ramping, reached};
+use crate::systems::audit::audit_frame;
 use bevy_ecs::prelude::*;
 
 /// Adds the shared systems to their sets.

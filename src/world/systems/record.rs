@@ -1,8 +1,8 @@
 //! Frame of a step, read from the columns, and the phase of the next step.
 
-use crate::record::{Frame, Moving, PadFrame, Wrench};
-use crate::world::components::*;
-use crate::world::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
+use record::{Frame, Moving, PadFrame, Wrench};
+use crate::components::*;
+use crate::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 

@@ -1,12 +1,12 @@
 //! First contact, determined geometrically with undeformed pads.
 
-use crate::gripper::{Approach, approach};
-use crate::model::Model;
-use crate::part::FingerModel;
-use crate::record::pad_name;
-use crate::world::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
-use crate::world::schedule::{Next, Phase, Shared};
-use crate::world::systems::apart::overlap;
+use model::gripper::{Approach, approach};
+use model::Model;
+use model::part::FingerModel;
+use record::pad_name;
+use crate::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
+use crate::schedule::{Next, Phase, Shared};
+use crate::systems::apart::overlap;
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3};
 

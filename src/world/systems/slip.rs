@@ -1,12 +1,12 @@
 //! Slip of the nodes of the pads over the object.
 
-use crate::geometry::face_lookup::FaceLookup;
-use crate::mech::contact::coulomb::tangential;
-use crate::mech::potential::term::Stencil;
-use crate::model::Model;
-use crate::world::components::*;
-use crate::world::schedule::Shared;
-use crate::world::systems::contact_area::pressed;
+use geometry::face_lookup::FaceLookup;
+use mech::contact::coulomb::tangential;
+use mech::potential::term::Stencil;
+use model::Model;
+use crate::components::*;
+use crate::schedule::Shared;
+use crate::systems::contact_area::pressed;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 

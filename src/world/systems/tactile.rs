@@ -1,7 +1,7 @@
 //! Arrays of the tactile sensors in the frame of a step.
 
-use crate::observe::Now;
-use crate::world::schedule::{Recorded, Shared};
+use model::observe::Now;
+use crate::schedule::{Recorded, Shared};
 use bevy_ecs::prelude::*;
 
 /// Adds the arrays of the tactile sensors that the scene records to the frame.

@@ -31,7 +31,7 @@ fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
         let notice = a.notice.0.take().expect("1.57 is told");
         assert!(notice.contains("off by up to 8.0e-4 rad"), "{notice}");
         assert_eq!(a, b, "gel, friction, opening, stroke and place of finger {side}");
-        let [a, b] = pads.map(|pads| tactus::part::pad::build(&pads, &mut Vec::new()).unwrap().0);
+        let [a, b] = pads.map(|pads| tactus::model::part::pad::build(&pads, &mut Vec::new()).unwrap().0);
         assert_eq!(a.bonded, b.bonded, "what the distance to the core bonds on finger {side}");
         let off = a.mesh.nodes.iter().zip(&b.mesh.nodes).map(|(p, q)| p.distance(*q)).fold(0.0, f64::max);
         assert!(off < 1e-12, "the nodes of finger {side} lie where they should, but for {off} m");

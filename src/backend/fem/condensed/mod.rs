@@ -23,16 +23,16 @@ pub use pad::CondensedPad;
 pub use patch::choose;
 pub use term::CondensedEnergy;
 
-use crate::error;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::newton::Failure;
-use crate::mech::path::continuation::PadDiscretisation;
-use crate::mech::path::{Advanced, Path};
-use crate::mech::potential::state::{RigidUnknowns, State};
-use crate::mech::potential::term::Stencil;
-use crate::model::Model;
-use crate::scales::FIRST_DEPTH;
-use crate::world::components::ObjectPose;
+use base::error;
+use base::history::{HistoryReader, HistoryWriter};
+use mech::newton::Failure;
+use mech::path::continuation::PadDiscretisation;
+use mech::path::{Advanced, Path};
+use mech::potential::state::{RigidUnknowns, State};
+use mech::potential::term::Stencil;
+use model::Model;
+use base::scales::FIRST_DEPTH;
+use world::components::ObjectPose;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -303,10 +303,10 @@ fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::fem::stepper::GraspSolver;
-    use crate::grasp::poses_of;
-    use crate::mech::potential::term::Assembly;
-    use crate::scene::from_ron;
+    use crate::fem::stepper::GraspSolver;
+    use model::grasp::poses_of;
+    use mech::potential::term::Assembly;
+    use scene::from_ron;
 
     /// After a failed attempt in which a patch grew, stiffness and unknowns belong to the same patch: the system can be
     /// factorised in the restored state.
@@ -316,9 +316,9 @@ mod tests {
             "Scene(object: (shape: Sphere(radius: 0.02), motion: Fixed), gripper: (pads: GelSightMini(spacing: 1.5e-3)),
                     loading: Squeeze(force: 6.0), stepper: Fem())";
         let scene = from_ron(text).unwrap();
-        let (model, place) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap()[0].object_in_hand());
+        let (model, place) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap()[0].inverse());
         let pose = ObjectPose { position: place.position, rotation: place.rotation };
-        let crate::scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
+        let scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
         let mut solver = GraspSolver::new(&model, pose, settings).unwrap();
         solver.back_off(&model).unwrap();
         let mut pads = Condensation::new(&model, vec![Vec::new(); model.fingers.len()], 0.01);

@@ -1,15 +1,15 @@
 //! Static condensation of a single pad onto a patch, and recovery of the full pad.
 
 use super::term::CondensedEnergy;
-use crate::error::{Error, Result};
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::body::Body;
-use crate::mech::body::cholesky::Factor;
-use crate::mech::body::pattern::FIXED;
-use crate::mech::body::single_precision::SinglePrecisionFactor;
-use crate::mech::newton::Failure;
-use crate::mech::potential::term::Stencil;
-use crate::part::FingerModel;
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
+use mech::body::Body;
+use mech::body::cholesky::Factor;
+use mech::body::pattern::FIXED;
+use mech::body::single_precision::SinglePrecisionFactor;
+use mech::newton::Failure;
+use mech::potential::term::Stencil;
+use model::part::FingerModel;
 use faer::Mat;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;

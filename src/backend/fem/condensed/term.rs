@@ -1,10 +1,10 @@
 //! Energy of a condensed pad, as a term of the potential.
 
-use crate::mech::body::Body;
-use crate::mech::body::pattern::FIXED;
-use crate::mech::potential::block::BodyBlock;
-use crate::mech::potential::state::BodyView;
-use crate::mech::potential::term::{Assembly, BodyTerm};
+use mech::body::Body;
+use mech::body::pattern::FIXED;
+use mech::potential::block::BodyBlock;
+use mech::potential::state::BodyView;
+use mech::potential::term::{Assembly, BodyTerm};
 use faer::Mat;
 use glam::DVec3;
 use pulp::{Arch, NullaryFnOnce};

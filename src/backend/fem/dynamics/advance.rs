@@ -1,7 +1,7 @@
 //! Initial guess of Newton's method in a time step.
 
-use crate::mech::newton::Newton;
-use crate::mech::potential::state::State;
+use mech::newton::Newton;
+use mech::potential::state::State;
 
 /// Largest number of moves towards a prediction.
 const MOVES: usize = 32;

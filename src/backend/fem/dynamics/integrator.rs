@@ -1,19 +1,18 @@
 //! Time integration: predict, solve, accept; on failure, roll back and shorten the step.
 
 use super::{advance, terms};
-use crate::error;
-use crate::gripper::GraspPose;
-use crate::history::{HistoryReader, HistoryWriter};
-use crate::mech::newton::effort::most_iterations;
-use crate::mech::newton::{Failure, NewtonTolerance};
-use crate::mech::path::step_size::StepSize;
-use crate::mech::path::{Advanced, Path};
-use crate::mech::potential::state::State;
-use crate::mech::potential::time_step::TimeStep;
-use crate::model::{Dynamics, Model};
-use crate::scales::SAFE_MOTION;
-use crate::scene;
-use crate::scene::motion::HandState;
+use base::error;
+use geometry::Pose;
+use base::history::{HistoryReader, HistoryWriter};
+use mech::newton::effort::most_iterations;
+use mech::newton::{Failure, NewtonTolerance};
+use mech::path::step_size::StepSize;
+use mech::path::{Advanced, Path};
+use mech::potential::state::State;
+use mech::potential::time_step::TimeStep;
+use model::{Dynamics, Model};
+use base::scales::SAFE_MOTION;
+use scene::motion::HandState;
 use bevy_ecs::prelude::*;
 use glam::DQuat;
 
@@ -24,7 +23,7 @@ pub struct Integrator {
     pub time: f64,
     /// State of the hand at that time.
     pub hand: HandState,
-    pose: GraspPose,
+    pose: Pose,
     /// State one step before the accepted one, and the size of that step, s.
     before: Option<(State, f64)>,
     /// Size of the next step, s, at most the scene's time step.
@@ -41,7 +40,7 @@ const STRIDE: f64 = 2.0;
 
 impl Integrator {
     /// Creates the integrator at time zero of a grasp at `pose`.
-    pub fn new(dynamics: &Dynamics, pose: GraspPose) -> Self {
+    pub fn new(dynamics: &Dynamics, pose: Pose) -> Self {
         Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize::UNKNOWN }
     }
 
@@ -189,5 +188,5 @@ impl Integrator {
 /// Keeps a fixed object at its pose in the world while the hand moves.
 fn hold_in_world(state: &mut State, hand: &HandState) {
     state.rotation = hand.rotation.conjugate();
-    state.position = hand.to_hand(glam::DVec3::ZERO);
+    state.position = hand.inverse_transform(glam::DVec3::ZERO);
 }

@@ -1,9 +1,9 @@
 //! Systems of dynamic scenes, in addition to those of the backend.
 
 use super::integrator::Integrator;
-use crate::backend::fem::stepper::GraspSolver;
-use crate::world::components::*;
-use crate::world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
+use crate::fem::stepper::GraspSolver;
+use world::components::*;
+use world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Integrates up to the time of the frame. On failure the state is the last accepted one and the grasp ends.

@@ -1,15 +1,15 @@
 //! Terms that dynamics adds to those of a quasi-static scene.
 
-use crate::mech::contact::GroundContact;
-use crate::mech::newton::Newton;
-use crate::mech::potential::drive::Drive;
-use crate::mech::potential::pad_inertia::PadInertia;
-use crate::mech::potential::rigid_inertia::RigidInertia;
-use crate::mech::potential::state::State;
-use crate::mech::potential::viscosity::Viscosity;
-use crate::model::{Dynamics, Model};
-use crate::scales::STROKE_YIELD;
-use crate::scene::motion::HandState;
+use mech::contact::GroundContact;
+use mech::newton::Newton;
+use mech::potential::drive::Drive;
+use mech::potential::pad_inertia::PadInertia;
+use mech::potential::rigid_inertia::RigidInertia;
+use mech::potential::state::State;
+use mech::potential::viscosity::Viscosity;
+use model::{Dynamics, Model};
+use base::scales::STROKE_YIELD;
+use scene::motion::HandState;
 
 /// Adds the terms for a start from `state` with the hand at `hand`. Everything is at rest except an object with initial
 /// velocity.

@@ -15,10 +15,10 @@ use std::path::Path;
 
 pub use write::{write_obj, write_stl, write_tet};
 
-use crate::error::{Error, Result};
-use crate::files::regular;
-use crate::geometry::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
-use crate::number::counted;
+use base::error::{Error, Result};
+use base::files::regular;
+use crate::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
+use base::number::counted;
 
 /// Supported formats of triangle meshes, for messages.
 const SURFACES: &str =
@@ -33,7 +33,7 @@ const MAX_BYTES: u64 = 1 << 31;
 ///
 /// # Errors
 /// Fails for a missing file, an unknown extension (with advice on the conversion, if there is any), a bad number, index
-/// or column count (with line and column), an empty mesh, more than [`crate::geometry::mesh::MAX_COUNT`] nodes, and in
+/// or column count (with line and column), an empty mesh, more than [`crate::mesh::MAX_COUNT`] nodes, and in
 /// the cases of [`clean::repair`], with the file's name.
 pub fn read_tet_mesh(path: impl AsRef<Path>) -> Result<(TetMesh, Vec<String>)> {
     let path = path.as_ref();

@@ -11,9 +11,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::text::{self, Line, Word};
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::{MAX_COUNT, TriMesh, polygon};
+use base::number::counted;
 use glam::DVec3;
 
 /// Keywords of names, colours, normals and materials, which are skipped without a notice.

@@ -7,9 +7,9 @@ use glam::DVec3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, TriMesh, polygon};
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::{MAX_COUNT, TriMesh, polygon};
+use base::number::counted;
 
 /// Element of the file; unused properties are omitted.
 #[derive(Debug, Clone, Default)]

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use super::text::{self, Line, VertexReference};
-use crate::error::{Error, Result};
-use crate::geometry::mesh::TetMesh;
+use base::error::{Error, Result};
+use crate::mesh::TetMesh;
 
 /// Reads the file at `path` and the one in the same folder with the other extension.
 ///

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
-use crate::geometry::mesh::MAX_COUNT;
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::MAX_COUNT;
+use base::number::counted;
 
 /// Longest accepted line, bytes: all its words are held in memory at once.
 const MAX_LINE: usize = 4 << 20;

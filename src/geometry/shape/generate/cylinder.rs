@@ -1,12 +1,12 @@
 //! Cylinders.
 
-use crate::error::Result;
-use crate::geometry::shape::cylinder::Cylinder;
-use crate::geometry::shape::generate::revolved_mesh;
-use crate::geometry::shape::params::{length, segments as turn};
-use crate::geometry::shape::polygon::Profile;
-use crate::geometry::shape::rod::Rod;
-use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
+use crate::shape::cylinder::Cylinder;
+use crate::shape::generate::revolved_mesh;
+use crate::shape::params::{length, segments as turn};
+use crate::shape::polygon::Profile;
+use crate::shape::rod::Rod;
+use crate::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec2;
 
 /// Builds a cylinder with sharp rims; radius and height in m.

@@ -1,6 +1,6 @@
 //! Unit spheres of almost equal triangles.
 
-use crate::geometry::mesh::TriMesh;
+use crate::mesh::TriMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 

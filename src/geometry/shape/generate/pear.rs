@@ -1,8 +1,8 @@
 //! Pears.
 
-use crate::error::Result;
-use crate::geometry::shape::Shape;
-use crate::geometry::shape::generate::fruit;
+use base::error::Result;
+use crate::shape::Shape;
+use crate::shape::generate::fruit;
 
 /// Builds a pear: a bulb at -z that narrows into a neck at +z; overall length and diameter in m.
 ///

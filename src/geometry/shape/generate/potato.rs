@@ -1,10 +1,10 @@
 //! Potatoes.
 
-use crate::error::Result;
-use crate::geometry::shape::Shape;
-use crate::geometry::shape::generate::icosphere;
-use crate::geometry::shape::params::{length, require, segments as turn};
-use crate::random::Random;
+use base::error::Result;
+use crate::shape::Shape;
+use crate::shape::generate::icosphere;
+use crate::shape::params::{length, require, segments as turn};
+use base::random::Random;
 use glam::DVec3;
 
 /// Number of bumps that are added.

@@ -1,11 +1,11 @@
 //! Solids of revolution.
 
-use crate::error::Result;
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::params::segments as turn;
-use crate::geometry::shape::polygon::Profile;
-use crate::geometry::shape::revolved::Revolved;
-use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
+use crate::mesh::TriMesh;
+use crate::shape::params::segments as turn;
+use crate::shape::polygon::Profile;
+use crate::shape::revolved::Revolved;
+use crate::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

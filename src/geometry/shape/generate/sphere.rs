@@ -1,10 +1,10 @@
 //! Spheres.
 
-use crate::error::Result;
-use crate::geometry::shape::generate::icosphere;
-use crate::geometry::shape::params::{length, segments as turn};
-use crate::geometry::shape::sphere::Sphere;
-use crate::geometry::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
+use crate::shape::generate::icosphere;
+use crate::shape::params::{length, segments as turn};
+use crate::shape::sphere::Sphere;
+use crate::shape::{MassProperties, Shape, SurfaceFeatures};
 use glam::DVec3;
 
 /// Builds a sphere; radius in m.

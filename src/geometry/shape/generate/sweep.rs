@@ -1,9 +1,9 @@
 //! Tubes swept along a path.
 
-use crate::error::Result;
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::Shape;
-use crate::geometry::shape::params::{require, segments as turn};
+use base::error::Result;
+use crate::mesh::TriMesh;
+use crate::shape::Shape;
+use crate::shape::params::{require, segments as turn};
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 

@@ -2,11 +2,11 @@
 //! each sheet of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
 
 use super::field::DistanceGrid;
-use crate::geometry::Aabb;
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::shape::facet::Facet;
-use crate::geometry::shape::outer;
-use crate::geometry::shape::winding::Winding;
+use crate::Aabb;
+use crate::mesh::TriMesh;
+use crate::shape::facet::Facet;
+use crate::shape::outer;
+use crate::shape::winding::Winding;
 use glam::{DMat3, DVec3, USizeVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;

@@ -1,7 +1,7 @@
 //! Grid of nodes, each inside or outside a surface.
 
 use super::room;
-use crate::geometry::shape::winding::Winding;
+use crate::shape::winding::Winding;
 use glam::{DVec3, USizeVec3};
 use rayon::prelude::*;
 

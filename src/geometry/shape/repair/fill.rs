@@ -1,8 +1,8 @@
 //! Filling of holes with triangles between the vertices of their rims.
 
-use crate::geometry::mesh::TriMesh;
-use crate::geometry::mesh::polygon::triangulate;
-use crate::geometry::mesh::topology::sides;
+use crate::mesh::TriMesh;
+use crate::mesh::polygon::triangulate;
+use crate::mesh::topology::sides;
 use std::collections::BTreeMap;
 
 /// Result of [`fill`].

@@ -4,14 +4,14 @@ mod contour;
 mod field;
 mod fill;
 
-use crate::error::{Error, Result};
-use crate::geometry::Aabb;
-use crate::geometry::mesh::shells::{agree, orient, shells};
-use crate::geometry::mesh::topology::{drop_unused, watertight};
-use crate::geometry::mesh::{TriMesh, show};
-use crate::geometry::shape::sound::judge;
-use crate::geometry::shape::winding::Winding;
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::Aabb;
+use crate::mesh::shells::{agree, orient, shells};
+use crate::mesh::topology::{drop_unused, watertight};
+use crate::mesh::{TriMesh, show};
+use crate::shape::sound::judge;
+use crate::shape::winding::Winding;
+use base::number::counted;
 use field::DistanceGrid;
 use glam::DVec3;
 
@@ -51,7 +51,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         )));
     }
     orient(&mut mesh);
-    if mesh.triangles.iter().enumerate().all(|(t, _)| crate::geometry::mesh::facets::is_flat(mesh.corners(t))) {
+    if mesh.triangles.iter().enumerate().all(|(t, _)| crate::mesh::facets::is_flat(mesh.corners(t))) {
         return Err(Error::Mesh("the surface has no area: there is nothing to repair".into()));
     }
     let winding = Winding::new(&mesh);

@@ -1,9 +1,9 @@
 //! Linear layer with activation, `act(x W + b)`, in one operation.
 
 use super::Activation;
-use crate::net::autodiff::gemm::product;
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::gemm::product;
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 
 /// Computes `act(x W + b)`: x (n, k), W (k, m), b (1, m) or None -> (n, m).
 pub fn linear<T: Real>(

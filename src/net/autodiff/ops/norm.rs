@@ -1,7 +1,7 @@
 //! Layer normalisation (Ba, Kiros and Hinton 2016).
 
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 
 /// Regularisation added to the variance.
 const EPSILON: f32 = 1e-5;

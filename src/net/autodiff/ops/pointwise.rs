@@ -1,7 +1,7 @@
 //! Elementwise operations: sums with an activation, products, reshaping, the training loss.
 
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 

@@ -6,8 +6,8 @@
 
 use crate::linear::compliance::Compliance;
 use crate::linear::deviator::PARTS;
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 

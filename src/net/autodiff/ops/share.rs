@@ -1,7 +1,7 @@
 //! Distribution of one force over the nodes of a pad.
 
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 
 /// Computes the fractions of the force in every group of `size` rows of x (n, 3): a softmax of column 0, times (1,
 /// column 1, column 2).

@@ -1,7 +1,7 @@
 //! Von Mises norm of the deviatoric stress.
 
-use crate::net::autodiff::real::Real;
-use crate::net::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::real::Real;
+use crate::autodiff::tape::{Matrix, Tape};
 
 /// Regularisation that keeps the norm smooth at zero stress.
 pub const LITTLE: f32 = 1e-6;

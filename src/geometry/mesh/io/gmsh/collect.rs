@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::groups::Groups;
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, TetMesh};
+use base::error::{Error, Result};
+use crate::mesh::{MAX_COUNT, TetMesh};
 
 /// Element type of the 4-node tetrahedron in gmsh.
 const LINEAR: u64 = 4;

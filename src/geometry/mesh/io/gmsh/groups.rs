@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::Version;
-use crate::error::{Error, Result};
-use crate::number::counted;
+use base::error::{Error, Result};
+use base::number::counted;
 use std::path::Path;
 
 /// Largest number of groups listed in a message.

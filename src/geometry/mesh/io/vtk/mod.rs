@@ -9,9 +9,9 @@ mod words;
 use std::path::Path;
 
 use super::text;
-use crate::error::{Error, Result};
-use crate::geometry::mesh::{MAX_COUNT, TetMesh};
-use crate::number::counted;
+use base::error::{Error, Result};
+use crate::mesh::{MAX_COUNT, TetMesh};
+use base::number::counted;
 use binary::Bytes;
 use glam::DVec3;
 use words::Words;

@@ -1,0 +1,27 @@
+//! Backends: finite elements and a trained network implement the same stage of the schedule. Only this module depends
+//! on both.
+
+pub mod simulate;
+pub mod fem;
+pub mod hand_over;
+pub mod network;
+
+use base::error::Result;
+use world::Stepper;
+
+/// Creates the backend that the scene selects.
+///
+/// # Errors
+/// Fails if the trained model cannot be read.
+pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
+    match &scene.stepper {
+        scene::StepperChoice::Fem(fem) => Ok(Box::new(fem::stepper::FemStepper::new(fem))),
+        scene::StepperChoice::Gnn(gnn) => {
+            let network = network::NetworkStepper::open(&gnn.model)?.extrapolating(gnn.extrapolate);
+            Ok(match gnn.error_at_most {
+                Some(most) => Box::new(hand_over::GuardedNetwork::new(network, most.get())),
+                None => Box::new(network),
+            })
+        }
+    }
+}

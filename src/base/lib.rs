@@ -1,0 +1,13 @@
+//! What every crate of tactus stands on: the error type, atomic files, locks, the stop flag, state as bytes, numbers for readers, and the scales
+//! of numerical methods.
+
+pub mod error;
+pub mod files;
+pub mod history;
+pub mod interrupt;
+pub mod machine;
+pub mod number;
+pub mod random;
+pub mod scales;
+pub mod stats;
+pub mod table;

@@ -1,0 +1,32 @@
+//! Benchmarks: speed against error of all finite-element settings and networks on the same grasps, in one run.
+//!
+//! ```text
+//! Scene -> sweep.rs (configurations), ladder.rs (reference and its error) -> contest.rs (round robin: time; error
+//!          density.rs (coarser and finer pads)                               against the reference, record::distance)
+//!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
+//! Scene -> ladder.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
+//! Scene -> sizes.rs (cost against size of the pad)
+//! Task  -> rollout.rs (steps a second against environments and threads)
+//! ```
+
+pub mod fit;
+pub mod certify;
+pub mod chart;
+pub mod clock;
+pub mod contest;
+pub mod density;
+mod front;
+pub mod ladder;
+pub mod report;
+pub mod rollout;
+pub mod sizes;
+pub mod snapshots;
+pub mod sweep;
+pub mod table;
+pub mod values;
+
+pub use certify::certify;
+pub use contest::contest;
+pub use report::BenchReport;
+pub use rollout::rollouts;
+pub use sizes::cost_by_size;

@@ -1,0 +1,138 @@
+//! Resolves the grasps of a scene to poses.
+
+use super::antipodal::{self, Sampled};
+use super::h5::{object_scale, read_grasp_file};
+use base::error::{Error, Result};
+use geometry::Aabb;
+use crate::gripper::Hand;
+use geometry::Pose;
+use base::number::{counted, shown};
+use crate::part::{object, pad};
+use scene::vector::Vec3;
+use scene::{Antipodal, GraspCount, GraspFile, Grasps, Object, ListedPose, Scene, Select};
+use glam::{DQuat, DVec3};
+
+/// Grasps of a scene, with notices about how they were obtained.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resolved {
+    /// Grasps, in order.
+    pub poses: Vec<Pose>,
+    /// Notices, one sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Returns all grasps of the scene, in order; reads the grasp file or samples grasps if necessary.
+///
+/// # Errors
+/// Fails as [`grasps_of`] does.
+pub fn poses_of(scene: &Scene) -> Result<Vec<Pose>> {
+    grasps_of(scene).map(|resolved| resolved.poses)
+}
+
+/// Returns all grasps of the scene, in order, with notices.
+///
+/// # Errors
+/// Fails if the grasp file cannot be read or selects grasps that it does not have, and as [`sample_of`] does.
+pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
+    let mut notices = Vec::new();
+    let between = scene.gripper.placement.center();
+    let poses = match &scene.grasps {
+        Grasps::Identity => vec![Pose { position: -between, rotation: DQuat::IDENTITY }],
+        Grasps::List(poses) => {
+            let pose = |p: &ListedPose| {
+                let rotation = p.rotation.quat();
+                let centred = || p.centre.map_or(DVec3::ZERO, Vec3::dvec3) - rotation * between;
+                Pose { position: p.position.map_or_else(centred, Vec3::dvec3), rotation }
+            };
+            poses.iter().map(pose).collect()
+        }
+        Grasps::File(file) => from_file(file).map_err(|e| e.about("grasps"))?,
+        Grasps::Antipodal(wanted) => {
+            let sampled = sample_of(scene, wanted).map_err(|e| e.about("grasps"))?;
+            notices.push(sampled.report());
+            sampled.poses
+        }
+    };
+    Ok(Resolved { poses, notices })
+}
+
+/// Returns the object of the scene with its scale. If the scene gives no scale, the `object/scale` of the grasp file is
+/// used, with a notice; if the two differ, the scale of the scene is used, with a notice.
+///
+/// # Errors
+/// Fails if the grasp file cannot be read.
+pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
+    let mut object = scene.object.clone();
+    let Grasps::File(file) = &scene.grasps else { return Ok(object) };
+    let Some(scale) = object_scale(&file.path).map_err(|e| e.about("grasps"))? else { return Ok(object) };
+    let (path, stated) = (file.path.display(), shown(scale.get()));
+    match object.scale {
+        Some(own) if own == scale => {}
+        Some(own) => notices.push(format!(
+            "{path}: the grasps are those of the object at `object/scale` {stated}, and the scene has it at `scale: {}`",
+            shown(own.get())
+        )),
+        None => {
+            notices.push(format!(
+                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` in the scene's object takes its place"
+            ));
+            object.scale = Some(scale);
+        }
+    }
+    Ok(object)
+}
+
+/// Keeps at most the first `most` grasps of a scene.
+///
+/// # Errors
+/// Fails if the grasp file cannot be read.
+pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
+    match grasps {
+        Grasps::Identity => {}
+        Grasps::List(poses) => poses.truncate(most.get()),
+        Grasps::File(file) => {
+            let all = || Ok((0..read_grasp_file(file)?.len()).collect());
+            let mut rows = file.select.as_ref().map_or_else(all, |select| Ok(select.rows()))?;
+            rows.truncate(most.get());
+            file.select = Some(Select::Rows(rows));
+        }
+        Grasps::Antipodal(wanted) => wanted.count = wanted.count.min(most),
+    }
+    Ok(())
+}
+
+/// Reads the selected grasps of a file; all if there is no selection.
+fn from_file(file: &GraspFile) -> Result<Vec<Pose>> {
+    let all = read_grasp_file(file)?;
+    if all.is_empty() {
+        return Err(Error::file(&file.path, "holds no grasp"));
+    }
+    let Some(select) = &file.select else { return Ok(all) };
+    let pick = |row: usize| {
+        all.get(row).copied().ok_or_else(|| {
+            let message = format!("has no grasp {row}; it has {}, 0 to {}", counted(all.len(), "grasp"), all.len() - 1);
+            Error::file(&file.path, message)
+        })
+    };
+    select.rows().into_iter().map(pick).collect()
+}
+
+/// Samples grasps of the scene's object.
+///
+/// # Errors
+/// Fails if object or pad cannot be built, or if too few grasps are found.
+pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
+    // These notices are discarded: building the model reports the repairs.
+    let mut notices = Vec::new();
+    let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
+    let gripper = &scene.gripper;
+    let (mut nodes, mut friction) = (Vec::new(), f64::INFINITY);
+    for side in 0..if gripper.alike() { 1 } else { 2 } {
+        let own = gripper.like(side);
+        let (pad, _) = pad::build(&own.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
+        nodes.extend(pad.mesh.nodes);
+        friction = friction.min(own.friction.get());
+    }
+    let hand = Hand::new(Aabb::of(nodes), gripper);
+    antipodal::sample(wanted, &object, &hand, friction, gripper.stroke.get())
+}

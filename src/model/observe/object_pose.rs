@@ -1,0 +1,27 @@
+//! Pose of the object in the hand: privileged information for teacher policies and comparisons, not measured by tactile
+//! sensors.
+
+use super::{ArraySpec, Now, Sense, SensedHand};
+use scene::leaf::LENGTH_LIMIT;
+
+/// Position (m) and quaternion (w, x, y, z) of the object frame in the hand frame.
+#[derive(Debug)]
+pub struct PoseInHand;
+
+impl PoseInHand {
+    pub fn new(_: &SensedHand) -> Self {
+        Self
+    }
+}
+
+impl Sense for PoseInHand {
+    fn spec(&self) -> ArraySpec {
+        ArraySpec::new("object_pose", &[7], "m, 1", [-LENGTH_LIMIT, LENGTH_LIMIT])
+    }
+
+    fn write(&self, now: &Now, out: &mut [f32]) {
+        let (p, q) = (now.frame.object_position, now.frame.object_rotation);
+        let q = if q.w < 0.0 { -q } else { q };
+        out.iter_mut().zip([p.x, p.y, p.z, q.w, q.x, q.y, q.z]).for_each(|(o, v)| *o = v as f32);
+    }
+}

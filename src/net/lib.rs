@@ -1,0 +1,22 @@
+//! Graph network: trained on data sets, then used as one of the solver backends.
+//!
+//! ```text
+//! Model + grasp -> linear/first_contact.rs -> features/ (on linear/pad_graph.rs) -> network/ -> infer/predict.rs
+//!                  -> infer/answer.rs -> backend/network.rs
+//! a load        -> linear/rigid_equilibrium/ -> linear/projected_gradient.rs
+//!                  -> features/loads.rs (linear/balance.rs) -> network/
+//! PyTorch       -> infer/slopes.rs (inputs with their derivatives) -> infer/inputs.rs (plain arrays)
+//! data set      -> train/sample.rs: the same, and the results of FEM -> train/
+//!                  -> network/card.rs (models/NAME), features/range.rs
+//! ```
+
+pub mod kernel;
+pub mod linear;
+pub mod autodiff;
+pub mod eval;
+pub mod features;
+pub mod infer;
+pub mod network;
+pub mod train;
+
+pub use network::shipped::SHIPPED;

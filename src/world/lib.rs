@@ -1,0 +1,13 @@
+//! World of a grasp: components, the schedule of a step, and the systems common to all steppers.
+
+pub mod run;
+pub mod components;
+pub mod environment;
+pub mod schedule;
+pub mod snapshot;
+pub mod spawn;
+pub mod stepper;
+pub mod systems;
+
+pub use environment::Environment;
+pub use stepper::{Choose, Stepper};
