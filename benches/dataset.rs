@@ -4,6 +4,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
+use tactus::base::random::Random;
 use tactus::dataset::ObjectFile;
 use tactus::dataset::arrays::FileSizes;
 use tactus::dataset::compatible::World;
@@ -11,7 +12,6 @@ use tactus::dataset::file::{Writer, lay_out};
 use tactus::dataset::rows::Encoder;
 use tactus::geometry::Pose;
 use tactus::model::Model;
-use tactus::base::random::Random;
 use tactus::record::{Frame, PadFrame, Status};
 use tactus::scene::load_set;
 

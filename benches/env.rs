@@ -5,8 +5,8 @@
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use mimalloc::MiMalloc;
 use std::path::PathBuf;
-use tactus::env::{BatchConfig, BatchEnv};
 use tactus::base::random::Random;
+use tactus::env::{BatchConfig, BatchEnv};
 use tactus::scene::{Gnn, StepperChoice, load_set};
 
 /// As in the program and the Python package.

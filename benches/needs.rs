@@ -4,8 +4,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use tactus::backend::choose;
 use tactus::base::error::Result;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::scene::{ObjectMotion, Scene, from_ron};
 use tactus::world::environment::Environment;
 

@@ -8,14 +8,14 @@ use mimalloc::MiMalloc;
 use std::hint::black_box;
 use std::path::Path;
 use tactus::base::error::{Error, Result};
-use tactus::model::grasp::poses_of;
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::net::features::GraspFeatures;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::ramp::Ramp;
 use tactus::net::infer::{Decoding, FaceEngine};
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
 

@@ -7,8 +7,8 @@ use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::shape::{Shape, generate};
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::scene::load;
 use tactus::world::environment::Environment;
 

@@ -5,13 +5,13 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tactus::backend::choose;
-use tactus::env::{BatchConfig, BatchEnv};
 use tactus::base::error::Error;
-use tactus::model::grasp::poses_of;
 use tactus::base::interrupt;
+use tactus::env::{BatchConfig, BatchEnv};
 use tactus::model::Model;
-use tactus::world::run::run_grasps;
+use tactus::model::grasp::poses_of;
 use tactus::scene::{load, load_set};
+use tactus::world::run::run_grasps;
 
 /// Each grasp takes a part of a second, all of them minutes.
 const LONG: &str = r#"Scene(

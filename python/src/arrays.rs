@@ -4,8 +4,8 @@ use crate::refusal::refused;
 use numpy::{Element, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::Pose;
+use tactus::geometry::mesh::TriMesh;
 use tactus::model::Model;
 use tactus::record::{PadTopology, TactileArray, names};
 

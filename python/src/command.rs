@@ -5,9 +5,9 @@ use crate::supervise::watch;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-use tactus::cli::{Cli, Console};
 use tactus::base::error::{Error, Result};
 use tactus::base::machine::machine_threads;
+use tactus::cli::{Cli, Console};
 
 /// Console that stores the output of a command.
 #[derive(Default)]

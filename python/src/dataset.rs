@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
-use tactus::dataset::{self, Campaign};
 use tactus::base::error::Error;
+use tactus::dataset::{self, Campaign};
 use tactus::record::names;
 use tactus::scene::load_set;
 

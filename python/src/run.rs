@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use tactus::backend::simulate::Simulation;
 use tactus::base::error::Result;
 use tactus::base::machine::machine_threads;
 use tactus::model::Model;
 use tactus::record::{ErrorBound, Frame, Moving, PadFrame, names};
-use tactus::world::run::{Observer, Outcome};
 use tactus::scene::{Backend, Overrides, load_object};
-use tactus::backend::simulate::Simulation;
+use tactus::world::run::{Observer, Outcome};
 
 /// Observer that stores the frames of each grasp (with indices `numbers`) and reports finished grasps.
 struct Keep {

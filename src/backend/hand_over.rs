@@ -4,11 +4,11 @@ use super::fem::stepper::FemStepper;
 use super::network::NetworkStepper;
 use base::error::{Error, Result};
 use base::history::{HistoryReader, HistoryWriter};
+use bevy_ecs::prelude::*;
 use model::Model;
 use scene::{Condensed, Fem, Solver};
 use world::Stepper;
 use world::schedule::{HandedOver, Shared};
-use bevy_ecs::prelude::*;
 
 /// Network that falls back to condensed finite elements where its predicted error is too large or unknown.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! Backends: finite elements and a trained network implement the same stage of the schedule. Only this module depends
 //! on both.
 
-pub mod simulate;
 pub mod fem;
 pub mod hand_over;
 pub mod network;
+pub mod simulate;
 
 use base::error::Result;
 use world::Stepper;

@@ -2,16 +2,22 @@
 
 use base::error::{Error, Result};
 use base::history::{HistoryReader, HistoryWriter};
-use net::linear::GraspLoad;
-use net::linear::first_contact::GeometricContact;
-use net::linear::pad_graph::PadGraph;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
 use model::{Model, Needs};
 use net::infer::force_ladder::ForceLadder;
 use net::infer::hold::{hold, slip};
 use net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use net::infer::ramp::Ramp;
 use net::infer::touch::object_at;
+use net::linear::GraspLoad;
+use net::linear::first_contact::GeometricContact;
+use net::linear::pad_graph::PadGraph;
+use rayon::prelude::*;
 use record::ErrorBound;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 use world::Stepper;
 use world::components::*;
 use world::schedule::{
@@ -19,12 +25,6 @@ use world::schedule::{
     reached,
 };
 use world::systems::sense::close_to_contact;
-use bevy_ecs::prelude::*;
-use glam::DVec3;
-use rayon::prelude::*;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
-use std::time::Instant;
 
 /// Backend with a trained model.
 #[derive(Debug)]

@@ -2,23 +2,23 @@
 
 use crate::choose;
 use base::error::{Error, Result};
-use model::grasp::{aim_notice, poses_of};
-use geometry::Pose;
-use model::judge::{Measured, Verdict, evaluate_all};
 use base::machine::machine_threads;
-use model::Model;
 use base::number::counted;
-use record::{ExpectationReport, RunReport, Status};
+use geometry::Pose;
+use model::Model;
+use model::grasp::{aim_notice, poses_of};
+use model::judge::{Measured, Verdict, evaluate_all};
 use record::render::Scalar;
-use world::run::sensitivity::{Ends, LastFrames, sensitivity};
-use world::run::writer::RunWriter;
-use world::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
+use record::{ExpectationReport, RunReport, Status};
 use scene::{Scene, StepperChoice};
-use world::Stepper;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
+use world::Stepper;
+use world::run::sensitivity::{Ends, LastFrames, sensitivity};
+use world::run::writer::RunWriter;
+use world::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
 
 /// Scene that is ready to run.
 #[derive(Debug)]

@@ -2,9 +2,9 @@
 
 use super::report::{BenchReport, Point, SpeedUp};
 use base::error::Result;
-use record::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use record::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, range, save_picture, text_style};
 use std::ops::Range;
 use std::path::Path;
 

@@ -7,22 +7,22 @@ use super::report::BenchReport;
 use super::sweep::{Configuration, Sweep};
 use super::values::{FrameValues, values};
 use backend::choose;
-use record::distance::{Distance, Fields, Points, Probe};
 use base::error::{Error, Result};
-use model::grasp::poses_of;
-use geometry::Pose;
 use base::interrupt;
-use model::Model;
-use record::{Frame, Status};
-use world::run::{Observer, Outcome, run_grasp};
-use scene::Scene;
 use base::stats::median;
-use world::Stepper;
-use world::environment::Environment;
+use geometry::Pose;
+use model::Model;
+use model::grasp::poses_of;
+use record::distance::{Distance, Fields, Points, Probe};
+use record::{Frame, Status};
+use scene::Scene;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use world::Stepper;
+use world::environment::Environment;
+use world::run::{Observer, Outcome, run_grasp};
 
 /// Settings of a comparison.
 #[derive(Debug, Clone, Copy)]
@@ -292,13 +292,7 @@ impl ContestEntry {
     }
 
     /// Simulates a grasp on `pool`; returns its frames at the first repetition, otherwise or on failure nothing.
-    fn simulate(
-        &mut self,
-        pool: &rayon::ThreadPool,
-        index: usize,
-        pose: Pose,
-        points: &Points,
-    ) -> Result<Vec<Frame>> {
+    fn simulate(&mut self, pool: &rayon::ThreadPool, index: usize, pose: Pose, points: &Points) -> Result<Vec<Frame>> {
         let first = !self.wall_s.contains_key(&index);
         let (cold, prepared) = match self.prepared.take() {
             Some(prepared) => (false, self.prepared.insert(prepared)),

@@ -12,12 +12,12 @@
 use super::density::{coarser, other_kind};
 use super::report::{QUANTITIES, QuantityName};
 use super::sweep::{Configuration, Sweep};
-use record::distance::{Distance, Fields, Points};
 use base::error::Result;
+use base::stats::median;
 use net::eval::table::FROM_LOAD;
+use record::distance::{Distance, Fields, Points};
 use scene::leaf::Positive;
 use scene::{Condensed, Fem, Solver};
-use base::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;

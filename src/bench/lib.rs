@@ -9,12 +9,12 @@
 //! Task  -> rollout.rs (steps a second against environments and threads)
 //! ```
 
-pub mod fit;
 pub mod certify;
 pub mod chart;
 pub mod clock;
 pub mod contest;
 pub mod density;
+pub mod fit;
 mod front;
 pub mod ladder;
 pub mod report;

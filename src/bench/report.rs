@@ -3,8 +3,8 @@
 use super::contest::{ContestEntry, Rules};
 use super::front::{Rival, time_at};
 use super::ladder::MeshLadder;
-use record::distance::Distance;
 use base::stats::Spread;
+use record::distance::Distance;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -4,14 +4,14 @@
 use super::clock::{forget_peak_memory, peak_memory};
 use super::snapshots::{SnapshotCost, snapshots};
 use backend::choose;
-use env::{BatchConfig, BatchEnv};
 use base::error::{Error, Result};
 use base::interrupt;
 use base::random::Random;
+use base::stats::median;
+use env::{BatchConfig, BatchEnv};
+use plotters::prelude::*;
 use record::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
 use scene::{Gnn, NamedScene, StepperChoice};
-use base::stats::median;
-use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -5,14 +5,14 @@ use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
 use backend::choose;
 use base::error::{Error, Result};
+use base::stats::median;
 use model::grasp::poses_of;
 use model::{Model, accuracy};
 use record::Status;
-use world::run::run_grasp;
 use scene::{Element, Pads, Scene, StepperChoice};
-use base::stats::median;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use world::run::run_grasp;
 
 /// Cost at one mesh size.
 #[derive(Debug, Clone, Serialize, Deserialize)]

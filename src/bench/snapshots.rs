@@ -1,10 +1,10 @@
 //! Time and size of saved environment states, early and late in an episode.
 
-use env::{BatchConfig, BatchEnv};
 use base::error::{Error, Result};
 use base::interrupt;
-use scene::NamedScene;
 use base::stats::median;
+use env::{BatchConfig, BatchEnv};
+use scene::NamedScene;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 

@@ -1,11 +1,11 @@
 //! Scalar values of a frame that are independent of its mesh, for the table of references.
 
 use super::report::QuantityName;
-use record::distance::{Points, Probe};
+use glam::DVec3;
 use model::Model;
 use model::part::FingerModel;
+use record::distance::{Points, Probe};
 use record::{Frame, PadFrame};
-use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Values by name; the name ends with the unit.

@@ -3,14 +3,14 @@
 
 use super::console::Console;
 use super::{Format, OK};
-use bench::certify::References;
-use bench::contest::Rules;
-use bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;
-use scene::{Scene, load_object, load_set};
+use bench::certify::References;
+use bench::contest::Rules;
+use bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
 use indicatif::ProgressBar;
+use scene::{Scene, load_object, load_set};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Duration;

@@ -9,21 +9,21 @@ use super::{Format, OK, REFUSED};
 use backend::choose;
 use backend::fem::condensed::nodes_at_contact;
 use base::error::{Error, Result};
+use base::machine::machine_threads;
+use base::number::counted;
+use geometry::Pose;
 use geometry::mesh::io::{write_obj, write_stl};
 use model::grasp::{aim_notice, grasps_of, write_grasps_h5};
-use model::gripper::hand::HandPart;
-use geometry::Pose;
 use model::gripper::Hand;
-use base::machine::machine_threads;
-use net::linear::first_contact::GeometricContact;
+use model::gripper::hand::HandPart;
 use model::{Model, Unknowns};
-use base::number::counted;
-use world::run::effort::ExpectedTime;
-use scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
-use world::environment::Environment;
+use net::linear::first_contact::GeometricContact;
 use rayon::prelude::*;
+use scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use world::environment::Environment;
+use world::run::effort::ExpectedTime;
 
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]

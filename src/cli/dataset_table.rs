@@ -1,11 +1,11 @@
 //! Text report of `tactus dataset`.
 
+use base::number::counted;
+use base::stats::median;
 use dataset::Manifest;
 use dataset::sensitivity::SensitivityRow;
-use base::number::counted;
-use world::run::sensitivity::CHANGES;
-use base::stats::median;
 use std::fmt::Write;
+use world::run::sensitivity::CHANGES;
 
 /// Describes a data set: a row for each object, failures, expectations, the time per grasp.
 pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {

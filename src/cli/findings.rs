@@ -1,21 +1,21 @@
 //! Findings about a scene: as text, with the most important facts first, and as JSON.
 
+use base::number::shown;
 use geometry::Aabb;
+use geometry::Pose;
 use geometry::mesh::topology::watertight;
 use geometry::shape::SurfaceDefinition;
-use geometry::Pose;
-use model::{Model, Unknowns};
-use base::number::shown;
-use model::part::FingerModel;
-use record::pad_name;
-use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
-use scene::Scene;
 use glam::DVec3;
 use indicatif::HumanDuration;
+use model::part::FingerModel;
+use model::{Model, Unknowns};
+use record::pad_name;
+use scene::Scene;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 
 /// Largest number of grasps that are closed to first contact: a check then takes seconds, and the first grasps of a
 /// data set are sufficient.

@@ -4,10 +4,10 @@ use super::console::Console;
 use super::{Format, NOT_HELD, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
-use bench::fit::{self, Curve, Ranges, chart};
 use base::machine::machine_threads;
-use scene::load_object;
+use bench::fit::{self, Curve, Ranges, chart};
 use indicatif::ProgressBar;
+use scene::load_object;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -2,11 +2,11 @@
 
 use super::console::Console;
 use super::{Format, NOT_HELD, OK};
-use dataset::DataSet;
-use dataset::inspect::{self, Inspection, Thinning};
 use base::error::Result;
 use base::files::atomic::create_dir;
 use base::number::counted;
+use dataset::DataSet;
+use dataset::inspect::{self, Inspection, Thinning};
 use std::fmt::Write;
 use std::path::PathBuf;
 

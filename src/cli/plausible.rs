@@ -1,15 +1,15 @@
 //! Plausibility checks of loads and computing times: they detect wrong units or digits before a run.
 
+use base::number::{rounded, shown};
 use geometry::Aabb;
 use geometry::Pose;
+use indicatif::HumanDuration;
 use model::Model;
 use model::accuracy::indentation;
-use base::number::{rounded, shown};
 use record::pad_name;
-use world::run::effort::{ExpectedTime, steps};
 use scene::{Loading, Scene};
-use indicatif::HumanDuration;
 use std::time::Duration;
+use world::run::effort::{ExpectedTime, steps};
 
 /// Processor time of a grasp above which an input error is assumed, s: one day.
 const LONGEST: f64 = 86_400.0;

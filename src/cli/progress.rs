@@ -3,11 +3,11 @@
 use super::console::Console;
 use base::error::Result;
 use base::number::shown;
-use record::Frame;
-use world::run::{Observer, Outcome};
 use indicatif::{ProgressBar, ProgressStyle};
+use record::Frame;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
+use world::run::{Observer, Outcome};
 
 /// Shows the progress of a run.
 pub struct RunProgress<'c> {

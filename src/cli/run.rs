@@ -4,9 +4,9 @@ use super::console::Console;
 use super::progress::RunProgress;
 use super::view::{WatchArgs, folder, watched};
 use super::{Format, NOT_HELD, OK, kept, table};
+use backend::simulate::Simulation;
 use base::error::{Error, Result};
 use scene::{Backend, LoadedSet, Overrides, Scene, load_set};
-use backend::simulate::Simulation;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

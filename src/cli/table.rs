@@ -1,14 +1,14 @@
 //! Text report of a run.
 
-use geometry::Pose;
-use model::judge::Verdict;
-use mech::path::continuation::Methods;
-use base::number::shown;
-use record::RunReport;
-use world::run::Outcome;
-use scene::{Expectation, Scene, StepperChoice};
 use backend::simulate::Simulated;
+use base::number::shown;
+use geometry::Pose;
+use mech::path::continuation::Methods;
+use model::judge::Verdict;
+use record::RunReport;
+use scene::{Expectation, Scene, StepperChoice};
 use std::fmt::Write;
+use world::run::Outcome;
 
 /// Renders the heading, a row per grasp, the expectations and the profile.
 pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &Simulated) -> String {

@@ -14,17 +14,17 @@ use super::split::Splits;
 use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
 use base::files::lock::{FolderLock, Turn};
-use geometry::mesh::io::{write_stl, write_tet};
-use model::grasp::write_grasps_h5;
 use base::interrupt;
-use model::limits;
+use geometry::mesh::io::{write_stl, write_tet};
 use model::Model;
-use world::run::run_grasps;
-use scene::LoadedSet;
-use world::Choose;
+use model::grasp::write_grasps_h5;
+use model::limits;
 use rayon::prelude::*;
+use scene::LoadedSet;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use world::Choose;
+use world::run::run_grasps;
 
 /// Plan of all simulations of a data set, complete before the first simulation.
 #[derive(Debug)]

@@ -7,9 +7,9 @@
 //! correct.
 
 use geometry::mesh::TetMesh;
+use glam::{DMat3, DVec3};
 use record::{ElementNodes, PadTopology};
 use scene::Placement;
-use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
 /// Centre of the pads in the loader's hand, along the finger width and the approach, m.

@@ -10,12 +10,12 @@ use super::progress::Finished;
 use super::rows::{GraspRows, checksum, code};
 use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, replace_durable};
+use glam::{DQuat, DVec3};
+use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
 use model::Model;
 use model::part::FingerModel;
 use record::{PadTopology, names};
 use scene::{NamedScene, to_ron};
-use glam::{DQuat, DVec3};
-use hdf5_pure::{AttrValue, Datatype, File, FileBuilder, GroupBuilder};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 

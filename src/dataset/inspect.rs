@@ -5,9 +5,9 @@ use super::reader::{ObjectFile, StoredGrasp};
 use super::set::{DataSet, hash};
 use base::error::{Error, Result};
 use geometry::Pose;
-use record::{Frame, PadFrame, Wrench};
-use record::render::{self, Style};
 use glam::DVec3;
+use record::render::{self, Style};
+use record::{Frame, PadFrame, Wrench};
 use serde::Serialize;
 use std::path::Path;
 

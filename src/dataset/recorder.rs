@@ -6,13 +6,13 @@ use super::rows::{Encoder, GraspRows};
 use super::sampling::Sampling;
 use base::error::{Error, Result};
 use geometry::Pose;
-use model::judge::evaluate;
 use model::Model;
+use model::judge::evaluate;
 use record::{self, Frame, PadTopology};
-use world::run::{Observer, Outcome};
 use scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use world::run::{Observer, Outcome};
 
 /// Observer of the progress of a data set; its methods are called from any thread.
 pub trait Watcher: Sync {

@@ -3,9 +3,9 @@
 use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
 use super::compatible::{Mirror, World};
 use geometry::Pose;
+use glam::{DMat4, DVec3};
 use model::Model;
 use record::{Frame, PadTopology, Status};
-use glam::{DMat4, DVec3};
 use std::sync::Arc;
 
 /// Encoder of frames into rows.

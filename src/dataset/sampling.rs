@@ -4,11 +4,11 @@
 //! over the corners of the triangle of the coarser face on which it acts, which preserves the resultant force and its
 //! moment about the face.
 
-use record::distance::fields::Stencils;
 use geometry::face_lookup::FaceLookup;
-use model::Model;
-use record::{Frame, PadFrame, PadTopology};
 use glam::DVec3;
+use model::Model;
+use record::distance::fields::Stencils;
+use record::{Frame, PadFrame, PadTopology};
 use std::sync::Arc;
 
 /// Map from the frames of a finer mesh to those of the pads of a scene.

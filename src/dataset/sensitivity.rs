@@ -9,12 +9,12 @@ use base::files::atomic::{cannot_write, write_durable};
 use geometry::Pose;
 use model::Model;
 use record::sensitivity::{Change, Moved};
-use world::run::run_grasps;
-use world::run::sensitivity::{Ends, LastFrames, sensitivity};
 use scene::NamedScene;
-use world::Choose;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use world::Choose;
+use world::run::run_grasps;
+use world::run::sensitivity::{Ends, LastFrames, sensitivity};
 
 /// Name of the file.
 pub const SENSITIVITY: &str = "sensitivity.csv";

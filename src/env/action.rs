@@ -1,10 +1,10 @@
 //! Actions of an agent: numbers from -1 to 1; values outside are clamped.
 
 use geometry::Pose;
+use glam::{DQuat, DVec3};
 use model::observe::ArraySpec;
 use scene::Task;
 use scene::task::Control;
-use glam::{DQuat, DVec3};
 
 /// Decoded action.
 #[derive(Debug, Clone, Copy, PartialEq)]

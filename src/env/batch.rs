@@ -13,11 +13,11 @@ use base::error::{Error, Result};
 use base::interrupt;
 use base::number::counted;
 use model::observe::ArraySpec;
+use rayon::prelude::*;
 use record::render::Pixmap;
 use scene::{NamedScene, load_set};
-use world::environment::Environment;
-use rayon::prelude::*;
 use std::path::Path;
+use world::environment::Environment;
 
 /// Batch of environments of one scene.
 pub struct BatchEnv {

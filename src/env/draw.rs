@@ -1,10 +1,10 @@
 //! Domain randomisation: episode parameters that depend on (seed, environment, episode) alone.
 
 use super::load::{Push, pushes};
-use geometry::Pose;
 use base::random::Random;
-use scene::Task;
+use geometry::Pose;
 use glam::{DQuat, DVec3};
+use scene::Task;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 

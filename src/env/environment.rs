@@ -9,18 +9,18 @@ use super::shared::EnvShared;
 use super::slip;
 use super::snapshot::Snapshot;
 use base::error::{self, Error};
-use geometry::Pose;
 use base::history::{HistoryReader, HistoryWriter};
+use geometry::Pose;
+use glam::DVec3;
 use model::Model;
 use model::observe::Now;
 use record::Frame;
 use record::render::Pixmap;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use world::components::ObjectWeight;
 use world::environment::Environment;
 use world::schedule::{ForceCommand, Phase, Stop};
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Maximum number of attempts to find a feasible start of an episode.
 const TRIES: u64 = 8;

@@ -2,10 +2,10 @@
 
 use super::shared::ObjectKind;
 use base::error::{Error, Result};
+use glam::DVec3;
 use net::network::card::WEIGHTS;
 use net::network::shipped;
 use scene::{Fem, Gnn, Pads, Scene, StepperChoice, Task};
-use glam::DVec3;
 use serde::Serialize;
 use std::path::PathBuf;
 

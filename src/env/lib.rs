@@ -37,9 +37,9 @@ pub mod slip;
 pub mod snapshot;
 pub mod view;
 
-pub use model::observe::ArraySpec;
 pub use batch::BatchEnv;
 pub use config::{Autoreset, BatchConfig};
+pub use model::observe::ArraySpec;
 pub use reward::StepInfo;
 pub use snapshot::Snapshot;
 pub use view::{StepError, StepView};

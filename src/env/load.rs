@@ -1,8 +1,8 @@
 //! Loads on the object: its weight, once the support is removed, and pushes.
 
 use base::random::Random;
-use scene::Task;
 use glam::{DQuat, DVec3};
+use scene::Task;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 

@@ -2,8 +2,8 @@
 
 use base::error::Result;
 use model::Model;
-use record::{Frame, PadTopology};
 use record::render::{Pixmap, Scalar, Style, render_pads};
+use record::{Frame, PadTopology};
 
 /// Renders the pads of `frame`, coloured by stress if the task computes it, otherwise by displacement.
 pub(crate) fn picture(model: &Model, frame: &Frame, title: String) -> Result<Pixmap> {

@@ -5,16 +5,16 @@ use super::identity::identity;
 use super::reward::{Custom, StepInfo};
 use backend::choose;
 use base::error::{Error, Result};
-use model::grasp::poses_of;
 use geometry::Pose;
+use glam::DVec3;
 use model::Model;
+use model::grasp::poses_of;
 use model::observe::{Sense, SensedHand};
 use scene::leaf::{Count, NonNegative, Positive};
 use scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
+use std::sync::{Arc, Mutex, PoisonError};
 use world::Stepper;
 use world::environment::Environment;
-use glam::DVec3;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// Object of the scene.
 #[derive(Debug)]
@@ -88,7 +88,7 @@ impl EnvShared {
         let hand = SensedHand { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
-            senses: task.observe.iter().map(|o| o.sense(&hand)).collect(),
+            senses: task.observe.iter().map(|o| sense(o, &hand)).collect(),
             stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
             gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),

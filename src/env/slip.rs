@@ -1,9 +1,9 @@
 //! Grasp quality: slip of the object over the pads, and friction margin of the grip.
 
-use net::linear::limit_surface::LimitSurface;
-use model::Model;
-use record::Frame;
 use glam::DVec3;
+use model::Model;
+use net::linear::limit_surface::LimitSurface;
+use record::Frame;
 
 /// Returns the fraction of the friction limit that `load` (N, hand frame, at the object's centre of mass) leaves
 /// unused: 1 without load, 0 at gross slip, negative beyond.

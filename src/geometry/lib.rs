@@ -6,9 +6,9 @@ pub mod face_lookup;
 pub mod height_field;
 pub mod mesh;
 pub mod pad;
+pub mod pose;
 pub mod shape;
 pub mod triangle6;
-pub mod pose;
 
-pub use pose::Pose;
 pub use aabb::Aabb;
+pub use pose::Pose;

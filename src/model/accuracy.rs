@@ -8,20 +8,20 @@
 //! the pad, pressed onto the object's profile by the final force, or to the final depth. The number of layers follows
 //! from the spacing: its influence is small. docs/verification.md compares the formula with mesh refinement sequences.
 
+use crate::grasp::{object_of, poses_of};
+use crate::gripper::Hand;
+use crate::part::{object, pad};
 use base::error::Result;
+use base::number::{rounded, shown};
 use geometry::Aabb;
+use geometry::Pose;
 use geometry::pad::{Resolution, dome};
 use geometry::shape::Shape;
-use crate::grasp::{object_of, poses_of};
-use geometry::Pose;
-use crate::gripper::Hand;
-use base::number::{rounded, shown};
-use crate::part::{object, pad};
+use glam::{DVec2, DVec3};
 use record::pad_name;
 use scene::leaf::{Length, Ratio};
 use scene::pad::GelShape;
 use scene::{Fingers, Loading, Pads, Scene, motion};
-use glam::{DVec2, DVec3};
 
 /// Relative error of the displacement over `h^2 / (l t)`, fitted to the mesh refinement sequences of
 /// `scenes/references.ron`.

@@ -1,11 +1,11 @@
 //! Data of a dynamic scene in addition to those of a quasi-static one.
 
-use geometry::shape::Shape;
 use geometry::Pose;
+use geometry::shape::Shape;
+use glam::DVec3;
 use mech::contact::law::ContactLaw;
 use scene::motion::{self, HandState, Motion, Stage};
 use scene::{Ground, Loading, Scene};
-use glam::DVec3;
 
 /// Time step, motions, gravity and ground. The world frame is the object frame at the start of the grasp.
 #[derive(Debug, Clone)]
@@ -104,7 +104,7 @@ impl Dynamics {
 
     /// Returns the state of the hand at `time` (s) of a grasp that starts at `pose`.
     pub fn hand(&self, pose: &Pose, time: f64) -> HandState {
-        let start = HandState { position: pose.position, rotation: pose.rotation, force: 0.0 };
+        let start = HandState { pose: *pose, force: 0.0 };
         motion::follow(&self.motions, &start, time, &self.stage)
     }
 }

@@ -6,37 +6,37 @@
 //!       -> needs.rs (what to spawn) -+
 //! ```
 
+pub mod accuracy;
+pub mod dynamics;
 pub mod grasp;
 pub mod gripper;
 pub mod judge;
 pub mod limits;
-pub mod observe;
-pub mod part;
-pub mod accuracy;
-pub mod dynamics;
 pub mod needs;
+pub mod observe;
 mod pads;
+pub mod part;
 pub mod push;
 
 pub use dynamics::Dynamics;
 pub use needs::Needs;
 pub use push::PushLoad;
 
-use base::error::{Error, Result};
-use geometry::Aabb;
-use geometry::shape::Shape;
 use crate::grasp::object_of;
 use crate::judge::Auditor;
+use crate::observe::{Sense, SensedHand};
+use crate::part::{FingerModel, object};
+use base::error::{Error, Result};
+use base::number::shown;
+use geometry::Aabb;
+use geometry::shape::Shape;
+use glam::DVec3;
 use mech::body::locking::locking_notice;
 use mech::contact::Feature;
 use mech::material::Material;
-use base::number::shown;
-use crate::observe::{Sense, SensedHand};
-use crate::part::{FingerModel, object};
+use pads::MeshedPads;
 use record::{PadReport, pad_name};
 use scene::{self, Loading, ObjectMotion, Scene, StepperChoice};
-use glam::DVec3;
-use pads::MeshedPads;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -160,7 +160,7 @@ impl Model {
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
-        let senses = scene.record.tactile.iter().map(|observe| observe.sense(&hand)).collect();
+        let senses = scene.record.tactile.iter().map(|observe| observe::sense(observe, &hand)).collect();
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),

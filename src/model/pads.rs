@@ -1,13 +1,13 @@
 //! Pads of a scene, meshed and placed on its fingers: one mesh for both, or one for each.
 
 use super::accuracy;
-use base::error::{Error, Result};
-use geometry::shape::Shape;
 use crate::limits::{self, PadSize};
+use crate::part::{FingerModel, pad};
+use base::error::{Error, Result};
+use base::scales;
+use geometry::shape::Shape;
 use mech::contact::law::ContactLaw;
 use mech::material::{FixedCorotated, Linear, Material, NeoHookean};
-use crate::part::{FingerModel, pad};
-use base::scales;
 use scene::{self, Fingers, MaterialSpec, Scene};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Push on a squeezed object.
 
-use scene::loading::ObjectPush;
 use glam::{DQuat, DVec3};
+use scene::loading::ObjectPush;
 
 /// Dead load of a push, and the fraction of it in each frame.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,12 +10,12 @@
 //!                  -> network/card.rs (models/NAME), features/range.rs
 //! ```
 
-pub mod kernel;
-pub mod linear;
 pub mod autodiff;
 pub mod eval;
 pub mod features;
 pub mod infer;
+pub mod kernel;
+pub mod linear;
 pub mod network;
 pub mod train;
 

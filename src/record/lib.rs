@@ -15,17 +15,17 @@
 //! Files hold no time stamps: the same run writes the same bytes, apart from the wall times in `run.json`. Non-finite
 //! numbers are refused ([`check`]).
 
-pub mod distance;
-pub mod render;
 pub mod arrays;
 pub mod check;
 pub mod csv;
+pub mod distance;
 pub mod error_bound;
 pub mod frame;
 pub mod meshes;
 pub mod names;
 pub mod pvd;
 pub mod read;
+pub mod render;
 pub mod report;
 pub mod sensitivity;
 pub mod tactile;

@@ -5,9 +5,9 @@
 
 use super::frame::{ElementNodes, Frame, PadTopology};
 use super::names;
-use geometry::mesh::TriMesh;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use flate2::{Compression, write::ZlibEncoder};
+use geometry::mesh::TriMesh;
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::io::Write as _;

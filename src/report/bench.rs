@@ -1,11 +1,11 @@
 //! Section of a benchmark: time against error of every setting, or cost against problem size.
 
 use super::page::{Page, PageBlock, Section};
-use bench::report::{BenchReport, Point};
-use bench::sizes::SizeStudy;
 use base::error::{Error, Result};
 use base::number::counted;
 use base::table::Table;
+use bench::report::{BenchReport, Point};
+use bench::sizes::SizeStudy;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 

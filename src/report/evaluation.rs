@@ -6,17 +6,17 @@ use super::recording::{Errors, RecordedState, Recording};
 use super::run::name;
 use super::source::Wishes;
 use super::unfinished::unfinished;
+use base::error::{Error, Result};
+use base::number::counted;
+use base::table::Table;
 use dataset::inspect::{chosen, frame};
 use dataset::{DataSet, Manifest, ObjectFile};
-use base::error::{Error, Result};
 use net::eval::table::{ErrorRow, ranks, rows};
 use net::eval::{Judged, frames, judge};
 use net::infer::predict::Predictor;
 use net::train::data::split;
 use net::train::sample::model_of;
-use base::number::counted;
 use record::PadTopology;
-use base::table::Table;
 use std::path::Path;
 
 /// Relative errors in tables and charts: key in the error rows, displayed name.

@@ -7,7 +7,6 @@
 //!           page/: style, viewer and charts, embedded in the page
 //! ```
 
-pub mod view;
 mod bench;
 mod chart;
 mod evaluation;
@@ -18,6 +17,7 @@ mod run;
 mod source;
 mod training;
 mod unfinished;
+pub mod view;
 
 pub use chart::Chart;
 pub use page::{Page, PageBlock, Section};

@@ -4,8 +4,8 @@ use super::chart::Chart;
 use super::packed::base64;
 use super::recording::Recording;
 use base::error::{Error, Result};
-use record::render::colormap::color;
 use base::table::{Table, escape};
+use record::render::colormap::color;
 use serde_json::{Value, json};
 
 const FRAME: &str = include_str!("page/page.html");

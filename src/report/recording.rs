@@ -6,9 +6,9 @@
 use super::packed::{indices, numbers};
 use base::error::{Error, Result};
 use geometry::mesh::TriMesh;
-use record::{Frame, PadFrame, PadTopology};
-use record::render::pad_pose;
 use glam::{DMat3, DVec3};
+use record::render::pad_pose;
+use record::{Frame, PadFrame, PadTopology};
 use serde::Serialize;
 use serde_json::{Value, json};
 

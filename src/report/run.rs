@@ -3,13 +3,13 @@
 use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
 use super::source::Wishes;
-use dataset::inspect::chosen;
 use base::error::Result;
 use base::number::counted;
-use record::{Frame, RunReport, meshes, read};
-use world::run::grasp_files::directory;
 use base::table::Table;
+use dataset::inspect::chosen;
+use record::{Frame, RunReport, meshes, read};
 use std::path::Path;
+use world::run::grasp_files::directory;
 
 /// Adds the run in `dir`.
 ///

@@ -1,7 +1,7 @@
 //! Detection of the kinds of results in a folder.
 
-use dataset::manifest::MANIFEST;
 use base::error::{Error, Result};
+use dataset::manifest::MANIFEST;
 use net::train::curves::CURVES;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;

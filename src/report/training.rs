@@ -4,9 +4,9 @@ use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use base::error::Result;
+use base::number::counted;
 use net::network::card::{CARD, Trained};
 use net::train::curves::{self, Epoch};
-use base::number::counted;
 use std::path::Path;
 
 /// Adds the training in `dir`.

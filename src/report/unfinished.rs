@@ -4,11 +4,11 @@ use super::evaluation::truth;
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use super::source::Wishes;
+use base::number::counted;
+use base::table::Table;
 use dataset::inspect::chosen;
 use dataset::{Manifest, so_far};
-use base::number::counted;
 use record::Status;
-use base::table::Table;
 use std::path::Path;
 
 /// Adds the unfinished data set in `dir`. Grasps that cannot be read yet are skipped.

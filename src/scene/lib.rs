@@ -9,7 +9,6 @@
 //!                    any refusal -> diagnose: message, file:line:column, caret, what is allowed
 //! ```
 
-pub mod robot;
 pub mod bonding;
 mod check;
 pub mod convention;
@@ -39,6 +38,7 @@ pub mod pad;
 mod paths;
 mod places;
 pub mod reward;
+pub mod robot;
 pub mod rotation;
 mod schema;
 mod source;

@@ -41,6 +41,27 @@ pub enum Observe {
 }
 
 impl Observe {
+    /// Returns the name of the observation array.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Observe::TaxelForce(_) => "taxel_force",
+            Observe::TaxelDisplacement(_) => "taxel_displacement",
+            Observe::Pressure(_) => "pressure",
+            Observe::Shear(_) => "shear",
+            Observe::HeightMap(_) => "height_map",
+            Observe::DepthMap(_) => "depth_map",
+            Observe::Markers(_) => "markers",
+            Observe::CenterOfPressure => "center_of_pressure",
+            Observe::ContactArea => "contact_area",
+            Observe::Slip(_) => "slip",
+            Observe::Wrench => "wrench",
+            Observe::Travel => "travel",
+            Observe::ObjectPose => "object_pose",
+            Observe::Force => "force",
+            Observe::PredictionError => "prediction_error",
+        }
+    }
+
     /// Returns true if a tactile sensor measures the observation; runs and data sets can record only such observations.
     pub fn is_tactile(&self) -> bool {
         use Observe::{Force, ObjectPose, PredictionError, Travel, Wrench};

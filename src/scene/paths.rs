@@ -8,8 +8,8 @@ use super::outline::Outline;
 use super::pad::Pads;
 use super::schema::ScenePart;
 use super::stepper::{SHIPPED_MODELS, StepperChoice};
-use base::files::regular::other_kind;
 use crate::robot::mount;
+use base::files::regular::other_kind;
 use std::path::{Path, PathBuf};
 
 /// Resolves paths relative to the folder of the scene file, refuses paths that do not lead to a file, and applies robot

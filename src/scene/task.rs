@@ -6,9 +6,9 @@ use super::loading::Loading;
 use super::object::ObjectMotion;
 use super::schema::Scene;
 use super::vector::{Tuple, Vec3};
-use base::number::shown;
 use crate::Observe;
 use crate::Reward;
+use base::number::shown;
 use serde::{Deserialize, Serialize};
 
 /// Range from the smallest to the largest value.

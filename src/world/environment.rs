@@ -1,15 +1,15 @@
 //! Environment: a world and its schedule. Environments share only the [`Model`], so any number may run in parallel.
 
-use base::error::{Error, Result};
-use geometry::Pose;
-use model::judge::Findings;
-use model::Model;
-use record::Frame;
 use crate::Stepper;
 use crate::schedule::{CurrentGrasp, HandedOver, Phase, Recorded, Shared, StepSet, Timings, schedule};
 use crate::spawn::{begin, spawn};
 use crate::systems::audit::Audited;
+use base::error::{Error, Result};
 use bevy_ecs::prelude::*;
+use geometry::Pose;
+use model::Model;
+use model::judge::Findings;
+use record::Frame;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

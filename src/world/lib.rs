@@ -1,8 +1,8 @@
 //! World of a grasp: components, the schedule of a step, and the systems common to all steppers.
 
-pub mod run;
 pub mod components;
 pub mod environment;
+pub mod run;
 pub mod schedule;
 pub mod snapshot;
 pub mod spawn;

@@ -9,13 +9,13 @@
 //! A run of the schedule is one step of the published procedure, whose state is explicit ([`Phase`]): place the object
 //! in the hand, close to first contact, then one recorded load level per step.
 
+use crate::systems;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use geometry::Pose;
 use mech::path::continuation::Methods;
 use model::{Model, Needs};
 use record::{ErrorBound, Frame, Wrench};
-use crate::systems;
-use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! Snapshots of a world: the columns that a step may change, the resources of a step, and the history of the stepper.
 
-use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
 use crate::Stepper;
 use crate::components::{ColumnVisitor, visit_columns};
 use crate::environment::Environment;
 use crate::schedule::{BalanceReport, ForceCommand, Phase, StepLoad, StepReport};
+use base::error::{Error, Result};
+use base::history::{HistoryReader, HistoryWriter};
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::world::World;
 use serde::Serialize;

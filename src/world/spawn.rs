@@ -1,8 +1,5 @@
 //! World for one grasp: entities with the components that the scene needs, and the resources of a step.
 
-use geometry::Pose;
-use model::Model;
-use model::part::FingerModel;
 use crate::components::*;
 use crate::schedule::{
     BalanceReport, CurrentGrasp, ForceCommand, HandedOver, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
@@ -11,7 +8,10 @@ use crate::systems::audit::Audited;
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
+use geometry::Pose;
 use glam::{DQuat, DVec3};
+use model::Model;
+use model::part::FingerModel;
 use std::sync::Arc;
 
 /// Spawns a new world for a grasp at `pose`, in [`Phase::Place`].

@@ -9,10 +9,10 @@
 
 use base::error::Result;
 use base::history::{HistoryReader, HistoryWriter};
-use model::Model;
-use scene::Scene;
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
+use model::Model;
+use scene::Scene;
 
 /// Backend.
 pub trait Stepper: std::fmt::Debug + Send + Sync {

@@ -4,8 +4,8 @@ use crate::skipped::data;
 use glam::{DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::Path;
-use tactus::model::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::geometry::Pose;
+use tactus::model::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::scene::{GraspCount, Scene, load};
 
 /// Triangles of a binary STL.
@@ -36,8 +36,10 @@ fn real_grasps_have_the_object_between_the_pads() {
         let (mut between, mut both_sides) = (0, 0);
         for pose in &poses {
             // the slab where the pads meet the object: z near 0.1 m, |y| within a pad's half width
-            let xs =
-                points.iter().map(|&p| pose.inverse_transform(p)).filter(|p| (p.z - 0.1).abs() < 0.012 && p.y.abs() < 0.0125);
+            let xs = points
+                .iter()
+                .map(|&p| pose.inverse_transform(p))
+                .filter(|p| (p.z - 0.1).abs() < 0.012 && p.y.abs() < 0.0125);
             let (low, high) = xs.fold((f64::MAX, f64::MIN), |(low, high), p| (low.min(p.x), high.max(p.x)));
             between += usize::from(low > -0.0405 && high < 0.0405 && low <= high);
             both_sides += usize::from(low < 0.0 && high > 0.0);

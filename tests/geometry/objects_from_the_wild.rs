@@ -13,12 +13,12 @@ use tactus::backend::choose;
 use tactus::base::error::Result;
 use tactus::geometry::mesh::{TriMesh, close};
 use tactus::geometry::shape::ShapeKind;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::Status;
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
 use tactus::world::environment::Environment;
+use tactus::world::run::run_grasps;
 use tactus::world::schedule::Phase;
 
 /// A cube with its faces outward, 0-based.

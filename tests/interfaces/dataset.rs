@@ -8,11 +8,11 @@ use tactus::backend::choose;
 use tactus::dataset::arrays::{ARRAYS, NumberKind};
 use tactus::dataset::inspect::frame;
 use tactus::dataset::{DataSet, Manifest, ObjectFile};
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::Frame;
-use tactus::world::run::{Observer, run_grasps};
 use tactus::scene::load;
+use tactus::world::run::{Observer, run_grasps};
 
 fn inspect(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tactus")).args(["dataset", "inspect"]).args(arguments).output().unwrap()

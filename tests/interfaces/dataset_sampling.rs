@@ -2,8 +2,8 @@
 
 use tactus::backend::choose;
 use tactus::dataset::{Campaign, DataSet, Selection};
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::names;
 use tactus::scene::load_set;
 

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tactus::backend::choose;
 use tactus::bench::fit::{Curve, Fit, FitReport, Parameter, Ranges, fit};
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
-use tactus::world::run::run_grasps;
+use tactus::model::grasp::poses_of;
 use tactus::scene::{Scene, from_ron};
+use tactus::world::run::run_grasps;
 
 /// What a scene is made with.
 #[derive(Clone, Copy)]

@@ -15,21 +15,21 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, SystemTime};
-use tactus::dataset::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind};
-use tactus::dataset::{DataSet, ObjectFile, StoredGrasp};
 use tactus::base::files::atomic::write_atomic;
 use tactus::base::files::lock::FolderLock;
 use tactus::base::files::lock_file::LockFile;
-use tactus::net::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::pad_graph::{Layout, PadGraph, mesh_hash};
+use tactus::base::random::Random;
+use tactus::dataset::arrays::{ARRAYS, FORMAT, FileSizes, NumberKind};
+use tactus::dataset::{DataSet, ObjectFile, StoredGrasp};
+use tactus::model::part::FingerModel;
 use tactus::net::features::GraspFeatures;
 use tactus::net::features::pad_range::Sensor;
 use tactus::net::infer::predict::{GraspState, Predictor};
+use tactus::net::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph, mesh_hash};
 use tactus::net::network::spec::Spec;
 use tactus::net::train::Trainer;
-use tactus::model::part::FingerModel;
-use tactus::base::random::Random;
 
 const LAYOUT: Layout = Layout::Face { depths: 3 };
 

@@ -3,11 +3,11 @@
 use crate::keep::Keep;
 use crate::synthetic::{frame, pad, pads, sphere};
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
-use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
+use tactus::world::run::run_grasps;
 
 /// Centre of the drawing of the left pad: see the layout in `src/render/pads.rs`.
 const LEFT_CENTER: (u32, u32) = (209, 272);

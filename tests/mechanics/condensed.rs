@@ -4,16 +4,16 @@ use crate::common::Random;
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::mech::body::Body;
 use tactus::mech::body::cholesky::Factor;
 use tactus::mech::body::pattern::FIXED;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Status};
-use tactus::world::run::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::world::components::Position;
 use tactus::world::environment::Environment;
+use tactus::world::run::{Outcome, run_grasps};
 use tactus::world::schedule::Phase;
 
 const FULL: &str = "stepper: Fem()";

@@ -3,12 +3,12 @@
 use crate::keep::Keep;
 use glam::{DQuat, DVec3};
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Moving, Status};
-use tactus::world::run::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::world::environment::Environment;
+use tactus::world::run::{Outcome, run_grasps};
 
 fn scene(text: &str) -> Scene {
     let dir = tempfile::tempdir().unwrap();

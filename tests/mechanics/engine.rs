@@ -3,15 +3,15 @@
 use std::sync::{Arc, Mutex};
 use tactus::backend::choose;
 use tactus::base::error::Result;
-use tactus::model::grasp::poses_of;
 use tactus::geometry::Pose;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Status};
-use tactus::world::run::{Observer, Outcome, run_grasps};
 use tactus::scene::{Scene, load};
 use tactus::world::Stepper;
 use tactus::world::components::*;
 use tactus::world::environment::Environment;
+use tactus::world::run::{Observer, Outcome, run_grasps};
 use tactus::world::schedule::Phase;
 
 /// A small squeeze of an ellipsoid; `more` adds to the scene.

@@ -4,11 +4,11 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
+use tactus::world::run::run_grasps;
 
 /// The last frame of the one grasp of a scene, and the Newton iterations to it.
 fn last(text: &str) -> (Frame, u64) {

@@ -2,11 +2,11 @@
 
 use crate::keep::Keep;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, GraspSummary, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
+use tactus::world::run::run_grasps;
 
 /// Squeezes a block between pads with elements of `spacing` mm, pushes it, and returns the frames with the summary.
 fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, GraspSummary) {

@@ -5,11 +5,11 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
+use tactus::world::run::run_grasps;
 
 /// Objects of every kind of contact sample, in units of the scale: `L(x)` is a length.
 const OBJECTS: [(&str, &str); 6] = [

@@ -9,11 +9,11 @@ use tactus::backend::choose;
 use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::mesh::io::write_obj;
 use tactus::geometry::shape::ShapeKind;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
+use tactus::world::run::run_grasps;
 
 /// Frames of the one grasp of a scene, which must reach its force.
 fn frames(path: &Path, text: &str) -> Vec<Frame> {

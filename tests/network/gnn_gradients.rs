@@ -2,17 +2,17 @@
 
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
-use tactus::net::kernel::Sparse;
-use tactus::net::linear::balance::{ObjectBalance, Pressed};
-use tactus::net::linear::compliance::Compliance;
-use tactus::net::linear::deviator::{Deviator, PARTS};
+use tactus::base::random::Random;
 use tactus::net::autodiff::ops::{
     Activation, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, root_error, share,
     sum, von_mises,
 };
 use tactus::net::autodiff::real::Real;
 use tactus::net::autodiff::tape::{Matrix, Tape};
-use tactus::base::random::Random;
+use tactus::net::kernel::Sparse;
+use tactus::net::linear::balance::{ObjectBalance, Pressed};
+use tactus::net::linear::compliance::Compliance;
+use tactus::net::linear::deviator::{Deviator, PARTS};
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
     (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()

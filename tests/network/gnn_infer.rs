@@ -6,14 +6,14 @@ use glam::DVec3;
 use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::Pose;
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::model::Model;
 use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use tactus::net::infer::ramp::Ramp;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::record::Frame;
-use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
+use tactus::world::run::run_grasps;
 
 /// Relative difference of two lists of numbers, in their L2 norms.
 fn apart(a: &[f64], b: &[f64]) -> f64 {

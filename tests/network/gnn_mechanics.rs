@@ -2,16 +2,16 @@
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
-use tactus::model::grasp::poses_of;
+use tactus::base::random::Random;
 use tactus::geometry::Pose;
+use tactus::model::Model;
+use tactus::model::grasp::poses_of;
+use tactus::model::part::FingerModel;
+use tactus::net::features::GraspFeatures;
 use tactus::net::linear::GraspLoad;
 use tactus::net::linear::first_contact::GeometricContact;
 use tactus::net::linear::pad_graph::{Layout, PadGraph};
 use tactus::net::linear::projected_gradient::{Touching, projected_contact};
-use tactus::model::Model;
-use tactus::net::features::GraspFeatures;
-use tactus::model::part::FingerModel;
-use tactus::base::random::Random;
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(

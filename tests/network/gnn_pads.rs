@@ -4,8 +4,8 @@ use crate::gnn_made::SPEC;
 use std::path::Path;
 use std::process::{Command, Output};
 use tactus::dataset::DataSet;
-use tactus::net::linear::pad_graph::mesh_hash;
 use tactus::model::Model;
+use tactus::net::linear::pad_graph::mesh_hash;
 use tactus::net::network::card::Trained;
 use tactus::scene::load;
 

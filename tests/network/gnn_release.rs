@@ -3,12 +3,12 @@
 use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
+use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::net::linear::first_contact::GeometricContact;
-use tactus::model::Model;
 use tactus::record::{Frame, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::from_ron;
+use tactus::world::run::run_grasps;
 
 /// Frames of a heavy ball (`density` in kg/m3) in the hand under gravity along `gravity`, and its pose at first contact. Its weight is on the
 /// pads from half of the force on, which is the second of the three frames.

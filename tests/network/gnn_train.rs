@@ -3,21 +3,21 @@
 use crate::gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
 use std::process::Command;
 use std::sync::Arc;
+use tactus::base::random::Random;
 use tactus::geometry::Pose;
-use tactus::net::linear::GraspLoad;
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::pad_graph::{Layout, PadGraph};
 use tactus::model::Model;
 use tactus::net::autodiff::real::Real;
 use tactus::net::autodiff::tape::{Matrix, Tape};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{GraspFeatures, Parity};
+use tactus::net::linear::GraspLoad;
+use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear::pad_graph::{Layout, PadGraph};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::Spec;
 use tactus::net::network::{Inputs, Network, Normalisers, build};
 use tactus::net::train::sample::{Sample, model_of};
 use tactus::net::train::{data, pass};
-use tactus::base::random::Random;
 use tactus::scene::from_ron;
 
 /// A network with its loss on one grasp.

@@ -3,13 +3,13 @@
 use crate::gnn_made::{ball, made};
 use crate::keep::Keep;
 use tactus::backend::choose;
-use tactus::net::linear::first_contact::GeometricContact;
 use tactus::model::Model;
 use tactus::net::infer::predict::Predictor;
+use tactus::net::linear::first_contact::GeometricContact;
 use tactus::record::{ErrorBound, Status};
-use tactus::world::run::run_grasps;
 use tactus::scene::leaf::{Count, Positive};
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};
+use tactus::world::run::run_grasps;
 
 /// The scene of the data set's ball, whose grasps the network computes if it may be off by `at_most`.
 fn scene(at_most: Option<f64>, change: (&str, &str)) -> Scene {

@@ -6,16 +6,16 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 use tactus::backend::choose;
+use tactus::mech::element::TET10;
+use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::judge::Findings;
 use tactus::model::judge::audit::elasticity::{elastic_gradient, nodal_volume};
 use tactus::model::judge::audit::solid::Solid;
-use tactus::mech::element::TET10;
-use tactus::model::Model;
 use tactus::model::part::object;
 use tactus::record::{ElementNodes, Frame};
-use tactus::world::run::run_grasps;
 use tactus::scene::{Scene, load};
+use tactus::world::run::run_grasps;
 
 fn scene(folder: &Path, text: &str) -> Scene {
     let path = folder.join("scene.ron");

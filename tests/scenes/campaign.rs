@@ -12,12 +12,12 @@ use glam::{DMat3, DQuat, DVec3};
 use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::shape::Shape;
+use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::judge::Findings;
-use tactus::model::Model;
 use tactus::record::Status;
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
+use tactus::world::run::run_grasps;
 
 /// Draws in ranges.
 struct Draw(Random);
@@ -143,7 +143,8 @@ fn squeeze(number: u64, folder: &Path) -> Option<String> {
     let path = folder.join(format!("shape{number}.ron"));
     std::fs::write(&path, format!("{text}\n)")).unwrap();
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
-    let object = tactus::model::part::object::build(&scene.object, &mut Vec::new()).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let object =
+        tactus::model::part::object::build(&scene.object, &mut Vec::new()).unwrap_or_else(|e| panic!("{text}: {e}"));
     // Well within the cone: a grasp on its edge slides as soon as the gel gives way.
     let (p, q) = antipodal(&object, 0.5 * friction.atan(), &mut d)?;
     Some(format!(

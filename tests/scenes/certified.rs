@@ -9,14 +9,14 @@ use tactus::backend::choose;
 use tactus::bench::certify::{Reference, References};
 use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
-use tactus::record::distance::{Distance, Points, Probe};
 use tactus::model::grasp::poses_of;
 use tactus::model::{Model, accuracy};
+use tactus::record::distance::{Distance, Points, Probe};
 use tactus::record::{Frame, Status};
-use tactus::world::run::run_grasp;
 use tactus::scene::leaf::Fraction;
 use tactus::scene::pad::GelSightMini;
 use tactus::scene::{Field, NamedScene, Pads, Scene, from_ron, load_set};
+use tactus::world::run::run_grasp;
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use tactus::model::Model;
-use tactus::world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 use tactus::scene::load_set;
+use tactus::world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 
 /// Newton iterations of the hard cases as `docs/results.md` lists them: name, number.
 fn measured() -> Vec<(String, f64)> {

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::mpsc;
 use std::time::Duration;
+use tactus::base::random::Random;
+use tactus::geometry::Pose;
 use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::geometry::pad::{Resolution, box_pad};
-use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
-use tactus::geometry::Pose;
 use tactus::model::Model;
+use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::net::network::card::Trained;
-use tactus::base::random::Random;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
 /// Size of the block of gel that all mesh files hold, m.
@@ -374,7 +374,8 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
                 loading: Squeeze(force: 1, frames: 1))";
     let scene = dir.path().join("s.ron");
     std::fs::write(&scene, text).unwrap();
-    let built = |scene: &Path| tactus::model::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
+    let built =
+        |scene: &Path| tactus::model::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
     let (pad, _) = built(&scene).unwrap();
     assert!((pad.thickness() - 2e-3).abs() < 1e-9, "{} m", pad.thickness());
     // In another unit than the file's it is too small or too large for any gel.

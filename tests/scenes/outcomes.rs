@@ -8,17 +8,17 @@ use std::sync::Arc;
 use tactus::backend::choose;
 use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::geometry::shape::sphere::Sphere;
-use tactus::model::grasp::poses_of;
-use tactus::model::judge::evaluate;
 use tactus::mech::material::NeoHookean;
 use tactus::mech::newton::Failure;
 use tactus::mech::newton::effort::{Effort, most_iterations};
 use tactus::mech::path::Load;
 use tactus::mech::path::continuation::WholePads;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
+use tactus::model::judge::evaluate;
 use tactus::record::Status;
-use tactus::world::run::{Outcome, run_grasps};
 use tactus::scene::{Scene, load};
+use tactus::world::run::{Outcome, run_grasps};
 
 fn scene(text: &str) -> Scene {
     let dir = tempfile::tempdir().unwrap();

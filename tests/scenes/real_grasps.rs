@@ -5,12 +5,12 @@
 
 use crate::skipped::data;
 use tactus::backend::choose;
+use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::judge::evaluate;
-use tactus::model::Model;
 use tactus::record::Status;
-use tactus::world::run::run_grasps;
 use tactus::scene::load;
+use tactus::world::run::run_grasps;
 
 /// The grasp that stands for each object, and the share of all hundred that must reach the force. No share is promised for
 /// the lemon: many of its grasps hold only a tip and slip off.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::base::history::{HistoryReader, HistoryWriter};
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::Frame;
 use tactus::scene::{Gnn, Scene, StepperChoice, load};
 use tactus::world::environment::Environment;

@@ -3,11 +3,11 @@
 use crate::keep::Keep;
 use std::process::Command;
 use tactus::backend::choose;
-use tactus::model::grasp::poses_of;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::{Frame, PadFrame};
-use tactus::world::run::run_grasps;
 use tactus::scene::{Scene, load};
+use tactus::world::run::run_grasps;
 
 const BOX: &str = "Box(size: (0.02, 0.016, 0.004), cells: (4, 4, 2))";
 const SOFT: &str = "NeoHookean(young: 1e5, poisson: 0.45)";

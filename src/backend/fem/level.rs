@@ -1,6 +1,8 @@
 //! Load levels of a grasp: first contact if needed, the load, and the fall-back from condensed to full pads.
 
 use super::stepper::GraspSolver;
+use base::scales::DROPPED;
+use glam::DVec3;
 use mech::newton::Failure;
 use mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
 use mech::path::continuation::WholePads;
@@ -8,10 +10,8 @@ use mech::path::grasp_place::GraspPlace;
 use mech::path::{Advanced, Load};
 use model::push::FIRST_PART;
 use model::{DropLimits, Model};
-use base::scales::DROPPED;
 use world::components::ObjectPose;
 use world::schedule::{StepLoad, Stop};
-use glam::DVec3;
 
 /// Number of steps in which the weight of an object passes from its support to the fingers.
 const HANDOVER: u32 = 4;

@@ -5,6 +5,8 @@ use super::dynamics::integrator::Integrator;
 use super::systems;
 use base::error::{Error, Result};
 use base::history::{HistoryReader, HistoryWriter};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
 use mech::contact::{FeatureContact, PointContact};
 use mech::newton::effort::Effort;
 use mech::newton::{Failure, Newton, NewtonTolerance};
@@ -17,15 +19,13 @@ use mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
 use model::Model;
 use model::part::FingerModel;
 use record::pad_name;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use world::Stepper;
 use world::components::ObjectPose;
 use world::schedule::{CurrentGrasp, Shared};
 use world::spawn::spawn_edges;
 use world::systems::sense::{center, first_contact};
-use bevy_ecs::prelude::*;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Settings of the backend.
 #[derive(Debug, Clone, Copy)]

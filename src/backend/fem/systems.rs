@@ -2,22 +2,20 @@
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::stepper::GraspSolver;
+use bevy_ecs::component::Mutable;
+use bevy_ecs::prelude::*;
+use glam::DVec3;
 use mech::path::continuation::Methods;
 use mech::potential::edge::{EdgeReading, EdgeState};
 use model::Needs;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use world::components::*;
-use world::schedule::{
-    BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached,
-};
+use world::schedule::{BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached};
 use world::systems::apart::keep_pads_apart;
 use world::systems::inversion::inverted;
 use world::systems::measure::measure_balance;
 use world::systems::sense::close_to_contact;
-use bevy_ecs::component::Mutable;
-use bevy_ecs::prelude::*;
-use glam::DVec3;
-use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Adds the systems to their sets, except those for quantities that the scene does not need.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {

@@ -1,11 +1,11 @@
 //! Quantities of full pads from the solver of a grasp, condensed or not.
 
 use super::stepper::{GraspSolver, gel, gel_loads};
+use glam::DVec3;
 use mech::body::Body;
 use mech::potential::inversion_barrier::is_crushed;
 use mech::potential::term::BodyTerm;
 use model::Model;
-use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 

@@ -4,9 +4,9 @@ use super::FitReport;
 use super::report::{four, two};
 use base::error::Result;
 use base::number::shown;
-use record::render::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+use record::render::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
 use std::path::Path;
 
 /// Colours: one per parameter fitted alone, then of the best pair and of the fit of all.

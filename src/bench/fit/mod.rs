@@ -18,9 +18,9 @@ pub use parameter::{Parameter, ParameterValues, Ranges};
 pub use report::{Fit, FitReport, FittedParameter};
 
 use base::error::Result;
-use scene::Scene;
 use press::PressRuns;
 use rayon::prelude::*;
+use scene::Scene;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fits the press of `scene` to `curve`, with every parameter inside its range, on `threads` threads. Reports each

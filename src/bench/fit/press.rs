@@ -3,18 +3,18 @@
 use super::{Curve, Parameter, ParameterValues};
 use backend::choose;
 use base::error::{Error, Result};
-use model::grasp::poses_of;
+use base::number::counted;
 use geometry::Pose;
 use model::Model;
-use base::number::counted;
+use model::grasp::poses_of;
+use rayon::prelude::*;
 use record::Status;
-use world::run::run_grasps;
 use scene::leaf::{Length, NonNegative};
 use scene::{Field, Loading, Record, Scene, loading};
-use world::Stepper;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
+use world::Stepper;
+use world::run::run_grasps;
 
 /// Cache key: bits of Poisson's ratio, friction and depth zero. Young's modulus is absent because forces are
 /// proportional to it, in all material laws and in the contact.

@@ -1,7 +1,7 @@
 //! Repair of a tetrahedral mesh for simulation: reports all changes and rejects faults without a unique remedy.
 
-use base::error::{Error, Result};
 use crate::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
+use base::error::{Error, Result};
 use base::number::counted;
 
 /// Mean-ratio quality below which a tetrahedron is rejected as flat. (A sliver of this quality has a height of some

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TetMesh};
+use base::error::{Error, Result};
 
 /// Six Kuhn paths from corner 000 to corner 111 of a cell: the axes in the order in which they are traversed. Odd
 /// permutations give negative volume in right-handed axes.

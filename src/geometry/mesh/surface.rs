@@ -1,7 +1,7 @@
 //! Boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
 
-use base::error::{Error, Result};
 use crate::mesh::{TetMesh, TriMesh, show};
+use base::error::{Error, Result};
 
 /// Faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
 pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];

@@ -1,8 +1,8 @@
 //! Selection of the nodes of a pad that are bonded to the finger, by a rule.
 
-use base::error::{Error, Result};
 use crate::mesh::{TetMesh, TriMesh};
 use crate::shape::SurfaceDistance;
+use base::error::{Error, Result};
 use base::number::shown;
 use glam::DVec3;
 use std::sync::Arc;

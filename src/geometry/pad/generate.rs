@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use base::error::{Error, Result};
 use crate::mesh::{TetMesh, grid};
 use crate::pad::{Density, PadMesh, Resolution, dome};
+use base::error::{Error, Result};
 use base::number::shown;
 
 /// Largest side of a generated pad, m.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
-use base::error::{Error, Result};
 use crate::mesh::io::{self, text};
 use crate::mesh::{TetMesh, clean};
 use crate::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
+use base::error::{Error, Result};
 use base::number::shown;
 
 /// Size of a pad above which a notice is given, m: its file is probably in millimetres.

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, grid};
+use base::error::{Error, Result};
 use base::number::shown;
 
 /// Largest thickness of the layer at the sensing face, in spacings.

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use base::error::{Error, Result};
 use crate::Aabb;
 use crate::mesh::shells::orient;
 use crate::mesh::{TetMesh, show, surface};
 use crate::shape::overlap::overlaps;
+use base::error::{Error, Result};
 use base::number::counted;
 
 /// Root-mean-square distance of the held nodes of a part from their best-fit line, over the size of the part, below

@@ -1,7 +1,7 @@
 //! Families of generated objects in one enum.
 
-use base::error::Result;
 use crate::shape::{Shape, generate};
+use base::error::Result;
 use glam::{DVec2, DVec3};
 
 /// Generated object; lengths in metres. It is centred at the origin with its axis along z unless stated otherwise.

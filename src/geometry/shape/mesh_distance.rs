@@ -4,7 +4,6 @@
 //! (Baerentzen and Aanaes 2005). A lattice of distances over the bounding box of the mesh supplies a nearby facet as
 //! the start of each search and rejects distant points by the Lipschitz bound, without a traversal of the tree.
 
-use base::error::Result;
 use crate::mesh::TriMesh;
 use crate::mesh::rings::{Rings, SurfacePart, TrianglePart, TriangleView};
 use crate::shape::bvh::Bvh;
@@ -12,6 +11,7 @@ use crate::shape::facet::Facet;
 use crate::shape::lattice::Lattice;
 use crate::shape::topology::Topology;
 use crate::shape::{Closest, Hit, SignedDistance, SurfaceTouch, outer};
+use base::error::Result;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 

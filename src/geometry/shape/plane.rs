@@ -1,7 +1,7 @@
 //! Signed distance to a half-space.
 
-use base::error::{Error, Result};
 use crate::shape::{Closest, Hit, SignedDistance, trace_convex};
+use base::error::{Error, Result};
 use glam::{DMat3, DVec3};
 
 /// Half-space `n . q <= offset`. It is unbounded, so it has no `Shape`.

@@ -1,7 +1,7 @@
 //! Exact signed distance in the half-plane (rho, z) of a solid of revolution.
 
-use base::error::Result;
 use crate::shape::params::require;
+use base::error::Result;
 use glam::{DVec2, DVec3};
 use pulp::{Arch, NullaryFnOnce};
 

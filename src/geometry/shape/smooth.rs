@@ -4,7 +4,6 @@
 //! one contact offset, which a smooth surface avoids. A mesh keeps its facets where they are its true shape, as those
 //! of a box.
 
-use base::error::{Error, Result};
 use crate::Aabb;
 use crate::mesh::TriMesh;
 use crate::mesh::disjoint_sets::DisjointSets;
@@ -12,6 +11,7 @@ use crate::shape::features::{FeaturePoint, Ridge, SHARP, parts};
 use crate::shape::level_set::LevelSet;
 use crate::shape::topology::Topology;
 use crate::shape::{Shape, SurfaceFeatures};
+use base::error::{Error, Result};
 use glam::DVec3;
 use glamx::DSymmetricEigen3;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 //! Rigid object, with all data that the solver, the recorder and the renderer require.
 
-use base::error::{Error, Result};
 use crate::Aabb;
 use crate::mesh::TriMesh;
 use crate::mesh::shells::{flat_shell, orient};
@@ -10,6 +9,7 @@ use crate::shape::params::{length, require};
 use crate::shape::scaled::Scaled;
 use crate::shape::topology::Topology;
 use crate::shape::{Hit, MassProperties, SignedDistance, SurfaceDefinition, SurfaceFeatures};
+use base::error::{Error, Result};
 use glam::DVec3;
 use std::sync::Arc;
 

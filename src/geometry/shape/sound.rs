@@ -1,6 +1,5 @@
 //! Check that the surface of a file bounds a solid, and corrections that do not displace it.
 
-use base::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::mesh::facets::drop_back_to_back;
 use crate::mesh::shells::{agree, flat_shell, orient, shells};
@@ -8,6 +7,7 @@ use crate::mesh::topology::watertight;
 use crate::shape::overlap::overlaps;
 use crate::shape::repair::repair;
 use crate::shape::topology::Topology;
+use base::error::{Error, Result};
 use base::number::counted;
 
 /// Orients triangles and shells of `mesh` and rejects a surface that bounds no solid, with the location of the fault;

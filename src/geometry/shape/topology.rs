@@ -1,8 +1,8 @@
 //! Edges of a closed triangle mesh and its pseudo-normals.
 
-use base::error::{Error, Result};
 use crate::mesh::topology::{sides, watertight};
 use crate::mesh::{FARTHEST, TriMesh, is_far, show};
+use base::error::{Error, Result};
 use glam::DVec3;
 
 /// Edge between two triangles.

@@ -30,8 +30,8 @@ pub fn locking_notice(body: &Body) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::mesh::{grid, quadratic};
     use crate::material::NeoHookean;
+    use geometry::mesh::{grid, quadratic};
     use std::sync::Arc;
 
     #[test]

@@ -3,9 +3,9 @@
 
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use geometry::shape::Stretch;
 use crate::potential::state::BodyView;
 use base::scales::{DEEPEST, DEEPEST_LENGTH};
+use geometry::shape::Stretch;
 use glam::DVec3;
 
 /// The point of an edge segment that is deepest in the pad, object frame, m; None if none is deeper than `least` (m).

@@ -8,9 +8,9 @@
 use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
+use base::scales::FACE_KEPT;
 use geometry::mesh::rings::{SurfacePart, TrianglePart, TriangleView};
 use geometry::shape::outer;
-use base::scales::FACE_KEPT;
 use glam::{DMat3, DVec3};
 
 /// Closest point, its weight in the sum over all of them, and the derivative of the direction to it in the position of

@@ -3,9 +3,9 @@
 use super::nearby::Nearby;
 use super::surface::ContactSurface;
 use super::term::locate;
-use geometry::shape::SignedDistance;
 use crate::potential::state::BodyView;
 use base::scales::{LOOK_AHEAD, POINTS_LISTED};
+use geometry::shape::SignedDistance;
 use glam::DVec3;
 use std::sync::Arc;
 

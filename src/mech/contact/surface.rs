@@ -2,12 +2,12 @@
 //! centroids of their sub-triangles (*sub-face samples*). The latter have a reduced contact offset and are active only
 //! where vertices carry contact or the object would penetrate between them.
 
-use geometry::mesh::rings::Rings;
-use geometry::triangle6;
 use crate::body::{Body, Elements};
 use crate::element::EDGES;
 use crate::potential::term::Stencil;
 use base::scales::ROUNDING;
+use geometry::mesh::rings::Rings;
+use geometry::triangle6;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -6,15 +6,15 @@ use super::pair::{friction_pair, normal_pair, slip, weighed};
 use super::point_list::{DistanceBound, PointList};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
-use base::error::Result;
-use geometry::shape::{SignedDistance, SurfaceTouch};
-use base::history::{HistoryReader, HistoryWriter};
 use crate::body::Body;
 use crate::potential::block::{BodyBlock, Pair};
 use crate::potential::edge::EdgeReading;
 use crate::potential::state::{BodyMotion, BodyView, Departure};
 use crate::potential::term::{Assembly, BodyTerm, Stencil};
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use base::scales::{LOOK_AHEAD, MIDDLE_CUT};
+use geometry::shape::{SignedDistance, SurfaceTouch};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -6,12 +6,12 @@
 //! | B1' B2'  C  | |dy |     |gy|
 //! ```
 
-use base::error::Result;
 use crate::body::Body;
 use crate::body::cholesky::{Factor, dot};
 use crate::body::pattern::FIXED;
 use crate::potential::block::{BodyBlock, RigidBlock};
 use crate::potential::state::{MAX_RIGID, NewtonStep};
+use base::error::Result;
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -1,7 +1,5 @@
 //! Terms of the object alone, in addition to those of the pads.
 
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::contact::GroundContact;
 use crate::potential::block::RigidBlock;
 use crate::potential::dead_force::DeadForce;
@@ -9,6 +7,8 @@ use crate::potential::rigid_inertia::RigidInertia;
 use crate::potential::state::{NewtonStep, RigidUnknowns, State};
 use crate::potential::term::{Assembly, ObjectTerm};
 use crate::potential::time_step::TimeStep;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 
 /// Effects on the object alone; those that a scene does not need are None or empty. A new one takes a field, and a line
 /// in `all` and `all_mut`.

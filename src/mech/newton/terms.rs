@@ -2,11 +2,11 @@
 
 use super::Newton;
 use super::object::ObjectTerms;
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::potential::edge::{EdgeReading, EdgeState};
 use crate::potential::state::{Departure, State};
 use crate::potential::term::BodyTerm;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use rayon::prelude::*;
 use std::sync::Arc;
 

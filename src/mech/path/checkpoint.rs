@@ -5,10 +5,10 @@ use super::continuation::Methods;
 use super::pseudo_time::PseudoTime;
 use super::step_size::StepSize;
 use super::{Path, PathControl};
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::newton::SavedTerms;
 use crate::potential::state::State;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use serde::{Deserialize, Serialize};
 
 /// Accepted state of a path with its history. Checkpoints and snapshots share this type, so that neither can lack a

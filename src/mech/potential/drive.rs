@@ -3,9 +3,9 @@
 use super::block::BodyBlock;
 use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
+use crate::body::Body;
 use base::error::Result;
 use base::history::{HistoryReader, HistoryWriter};
-use crate::body::Body;
 
 /// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force decreases with its speed,
 /// and a stop at the end of the stroke. The solver applies the driving force itself.

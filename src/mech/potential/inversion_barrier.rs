@@ -8,12 +8,12 @@
 use super::block::BodyBlock;
 use super::state::BodyView;
 use super::term::{Assembly, BodyTerm};
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::body::Body;
 use crate::body::pattern::Pattern;
 use crate::element::{Kernel, ShapeFunctions, Stiffness, TET10_CENTER, TET10_NODES};
 use crate::material::{Dilatation, Material, Moduli, Tangent};
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 

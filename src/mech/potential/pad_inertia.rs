@@ -4,10 +4,10 @@ use super::block::BodyBlock;
 use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
 use super::time_step::TimeStep;
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::body::Body;
 use crate::body::pattern::{FIXED, Pattern};
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use geometry::Pose;
 use glam::{DMat3, DVec3};
 

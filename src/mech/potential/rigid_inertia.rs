@@ -6,9 +6,9 @@ use super::state::ObjectView;
 use super::term::{Assembly, ObjectTerm};
 use super::time_step::TimeStep;
 use base::error::Result;
-use geometry::shape::MassProperties;
 use base::history::{HistoryReader, HistoryWriter};
 use geometry::Pose;
+use geometry::shape::MassProperties;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 

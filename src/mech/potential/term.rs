@@ -4,9 +4,9 @@
 use super::block::{BodyBlock, RigidBlock};
 use super::edge::{EdgeReading, EdgeState};
 use super::state::{BodyMotion, BodyView, Departure, ObjectIncrement, ObjectView};
+use crate::body::Body;
 use base::error::Result;
 use base::history::{HistoryReader, HistoryWriter};
-use crate::body::Body;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

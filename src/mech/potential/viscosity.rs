@@ -3,10 +3,10 @@
 use super::block::BodyBlock;
 use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
-use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
 use crate::body::Body;
 use crate::body::pattern::FIXED;
+use base::error::Result;
+use base::history::{HistoryReader, HistoryWriter};
 use glam::DVec3;
 use std::sync::Arc;
 

@@ -1,11 +1,11 @@
 //! Checks that the grasps of a file match the object.
 
-use geometry::Aabb;
-use geometry::shape::Shape;
 use crate::gripper::Hand;
+use geometry::Aabb;
 use geometry::Pose;
-use scene::{Fingers, Grasps, Scene};
+use geometry::shape::Shape;
 use glam::DVec3;
+use scene::{Fingers, Grasps, Scene};
 
 /// Largest number of grasps that are checked, spread over the file.
 const SAMPLE: usize = 64;

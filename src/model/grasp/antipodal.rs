@@ -6,16 +6,16 @@
 //! centred on the midpoint of the two contacts; the hand must be free of collisions with the object when open and at
 //! first contact.
 
-use base::error::{Error, Result};
-use geometry::mesh::TriMesh;
-use geometry::shape::Shape;
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
-use geometry::Pose;
+use base::error::{Error, Result};
 use base::number::counted;
 use base::random::Random;
-use scene::Antipodal;
+use geometry::Pose;
+use geometry::mesh::TriMesh;
+use geometry::shape::Shape;
 use glam::{DMat3, DQuat, DVec3};
+use scene::Antipodal;
 use std::f64::consts::TAU;
 
 /// Largest number of trials per requested grasp before the sampler fails.

@@ -4,10 +4,10 @@ use base::error::{Error, Result};
 use base::files::atomic::replace;
 use base::files::regular;
 use geometry::Pose;
-use scene::leaf::Positive;
-use scene::{GraspFile, QuaternionOrder};
 use glam::{DMat3, DQuat, DVec3};
 use hdf5_pure::{Dataset, File, FileBuilder, Group};
+use scene::leaf::Positive;
+use scene::{GraspFile, QuaternionOrder};
 use std::path::Path;
 
 /// Name of the dataset, unless the scene gives another.

@@ -2,15 +2,15 @@
 
 use super::antipodal::{self, Sampled};
 use super::h5::{object_scale, read_grasp_file};
-use base::error::{Error, Result};
-use geometry::Aabb;
 use crate::gripper::Hand;
-use geometry::Pose;
-use base::number::{counted, shown};
 use crate::part::{object, pad};
-use scene::vector::Vec3;
-use scene::{Antipodal, GraspCount, GraspFile, Grasps, Object, ListedPose, Scene, Select};
+use base::error::{Error, Result};
+use base::number::{counted, shown};
+use geometry::Aabb;
+use geometry::Pose;
 use glam::{DQuat, DVec3};
+use scene::vector::Vec3;
+use scene::{Antipodal, GraspCount, GraspFile, Grasps, ListedPose, Object, Scene, Select};
 
 /// Grasps of a scene, with notices about how they were obtained.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! Finger travel to first contact, from geometry alone.
 
 use geometry::shape::SignedDistance;
-use mech::contact::{ContactSurface, Feature};
 use glam::{DMat3, DVec2, DVec3};
+use mech::contact::{ContactSurface, Feature};
 
 /// Result of closing a finger.
 #[derive(Debug, Clone, Copy, PartialEq)]

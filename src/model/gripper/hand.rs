@@ -1,10 +1,10 @@
 //! Collision geometry of the hand: palm, finger bodies and pads, as boxes in the hand frame.
 
 use geometry::Aabb;
-use geometry::shape::SignedDistance;
 use geometry::Pose;
-use scene::Gripper;
+use geometry::shape::SignedDistance;
 use glam::DVec3;
+use scene::Gripper;
 
 /// Half sizes of the palm along x and y, and its extent along the approach, m: the body of a Franka hand (204 x 63 mm,
 /// 65.9 mm tall up to the fingers; Franka Hand product manual, dimensions).

@@ -1,9 +1,9 @@
 //! Evaluation of the expectations of a scene on the outcome of a grasp.
 
 use crate::judge::Findings;
+use glam::DVec3;
 pub use record::Status;
 use scene::expect::{Bounds, Expectation, Reason};
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;

@@ -2,9 +2,9 @@
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use geometry::height_field::PlaneGrid;
-use scene::Grid;
 use glam::DVec3;
 use rayon::prelude::*;
+use scene::Grid;
 
 /// Penetration depth of the object below the undeformed sensing face, m: (pads, rows, columns), from rays that start at
 /// the back of the gel in the closing direction. The first intersection counts, so undercuts are filled. Zero where the

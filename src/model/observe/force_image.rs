@@ -1,8 +1,8 @@
 //! Contact force of the pads on a grid of taxels, the basis of force and traction images.
 
 use super::{Now, SensedHand};
-use scene::Grid;
 use glam::DVec3;
+use scene::Grid;
 use std::ops::{AddAssign, Mul};
 
 /// Contact force per taxel; the sum over the taxels of a pad is its contact force.

@@ -1,13 +1,13 @@
 //! Regular grid of taxels on the sensing face.
 
+use crate::part::FingerModel;
 use geometry::barycentric::{barycentric, least};
 use geometry::face_lookup::FaceLookup;
 use geometry::height_field::PlaneGrid;
+use glam::{DVec2, DVec3};
 use mech::potential::term::Stencil;
-use crate::part::FingerModel;
 use record::PadTopology;
 use scene::Grid;
-use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Number of samples along the edge of a node triangle of mean size, for the distribution of nodal forces over the

@@ -2,9 +2,9 @@
 
 use super::{ArraySpec, Now, Sense, SensedHand};
 use geometry::height_field::PlaneGrid;
+use glam::DVec3;
 use mech::contact::surface::SurfaceFace;
 use scene::Grid;
-use glam::DVec3;
 
 /// Height of the sensing face at the taxel centres, m: (pads, rows, columns), along z of the pad, interpolated with the
 /// shape functions.

@@ -23,8 +23,8 @@ mod wrench;
 
 pub use spec::ArraySpec;
 
-use geometry::shape::Shape;
 use crate::part::FingerModel;
+use geometry::shape::Shape;
 use record::{Frame, TactileArray};
 use scene::Observe;
 
@@ -65,47 +65,24 @@ pub trait Sense: Send + Sync + std::fmt::Debug {
     }
 }
 
-impl Observe {
-    /// Returns the name of the observation array.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Observe::TaxelForce(_) => "taxel_force",
-            Observe::TaxelDisplacement(_) => "taxel_displacement",
-            Observe::Pressure(_) => "pressure",
-            Observe::Shear(_) => "shear",
-            Observe::HeightMap(_) => "height_map",
-            Observe::DepthMap(_) => "depth_map",
-            Observe::Markers(_) => "markers",
-            Observe::CenterOfPressure => "center_of_pressure",
-            Observe::ContactArea => "contact_area",
-            Observe::Slip(_) => "slip",
-            Observe::Wrench => "wrench",
-            Observe::Travel => "travel",
-            Observe::ObjectPose => "object_pose",
-            Observe::Force => "force",
-            Observe::PredictionError => "prediction_error",
-        }
-    }
-
-    /// Creates the sensor model of this observation.
-    pub fn sense(&self, hand: &SensedHand) -> Box<dyn Sense> {
-        match self {
-            Observe::TaxelForce(grid) => Box::new(taxel_force::TaxelForce::new(hand, grid)),
-            Observe::TaxelDisplacement(grid) => Box::new(taxel_displacement::TaxelDisplacement::new(hand, grid)),
-            Observe::Pressure(grid) => Box::new(pressure::Pressure::new(hand, grid)),
-            Observe::Shear(grid) => Box::new(shear::Shear::new(hand, grid)),
-            Observe::HeightMap(grid) => Box::new(height_map::HeightMap::new(hand, grid)),
-            Observe::DepthMap(grid) => Box::new(depth_map::DepthMap::new(hand, grid)),
-            Observe::Markers(markers) => Box::new(markers::MarkerTracks::new(hand, markers)),
-            Observe::CenterOfPressure => Box::new(center_of_pressure::CenterOfPressure::new(hand)),
-            Observe::ContactArea => Box::new(contact_area::TouchedArea::new(hand)),
-            Observe::Slip(grid) => Box::new(slip::SlipImage::new(hand, grid)),
-            Observe::Wrench => Box::new(wrench::PadWrench::new(hand)),
-            Observe::Travel => Box::new(travel::FingerTravel::new(hand)),
-            Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(hand)),
-            Observe::Force => Box::new(force::Applied::new(hand)),
-            Observe::PredictionError => Box::new(prediction_error::PredictionError::new(hand)),
-        }
+/// Creates the sensor model of an observation.
+pub fn sense(observe: &Observe, hand: &SensedHand) -> Box<dyn Sense> {
+    match observe {
+        Observe::TaxelForce(grid) => Box::new(taxel_force::TaxelForce::new(hand, grid)),
+        Observe::TaxelDisplacement(grid) => Box::new(taxel_displacement::TaxelDisplacement::new(hand, grid)),
+        Observe::Pressure(grid) => Box::new(pressure::Pressure::new(hand, grid)),
+        Observe::Shear(grid) => Box::new(shear::Shear::new(hand, grid)),
+        Observe::HeightMap(grid) => Box::new(height_map::HeightMap::new(hand, grid)),
+        Observe::DepthMap(grid) => Box::new(depth_map::DepthMap::new(hand, grid)),
+        Observe::Markers(markers) => Box::new(markers::MarkerTracks::new(hand, markers)),
+        Observe::CenterOfPressure => Box::new(center_of_pressure::CenterOfPressure::new(hand)),
+        Observe::ContactArea => Box::new(contact_area::TouchedArea::new(hand)),
+        Observe::Slip(grid) => Box::new(slip::SlipImage::new(hand, grid)),
+        Observe::Wrench => Box::new(wrench::PadWrench::new(hand)),
+        Observe::Travel => Box::new(travel::FingerTravel::new(hand)),
+        Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(hand)),
+        Observe::Force => Box::new(force::Applied::new(hand)),
+        Observe::PredictionError => Box::new(prediction_error::PredictionError::new(hand)),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::force_image::ForceImage;
 use super::{ArraySpec, Now, Sense, SensedHand};
-use scene::Grid;
 use glam::DVec3;
+use scene::Grid;
 
 /// Normal traction on the sensing face, Pa: (pads, rows, columns). The normal is z of the pad (the closing direction),
 /// not that of the deformed face, so the sum of pressure times taxel area is the closing force of the finger. Positive

@@ -2,8 +2,8 @@
 
 use super::force_image::ForceImage;
 use super::{ArraySpec, Now, Sense, SensedHand};
-use scene::Grid;
 use glam::DVec3;
+use scene::Grid;
 
 /// Tangential traction on the sensing face, Pa: (pads, rows, columns, 2), along x and y of the pad, perpendicular to
 /// the closing direction.

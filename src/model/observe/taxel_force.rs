@@ -2,8 +2,8 @@
 
 use super::force_image::ForceImage;
 use super::{ArraySpec, Now, Sense, SensedHand};
-use scene::Grid;
 use glam::DVec3;
+use scene::Grid;
 
 /// Contact force per taxel, N: (pads, rows, columns, 3), pad frame. The sum over the taxels of a pad is its contact
 /// force.

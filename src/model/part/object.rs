@@ -1,16 +1,16 @@
 //! Rigid object of a scene.
 
 use base::error::{Error, Result};
+use base::number::{rounded, shown};
+use base::stats::median;
 use geometry::Aabb;
 use geometry::mesh::io::read_tri_mesh;
 use geometry::mesh::{TriMesh, show};
 use geometry::shape::{Shape, ShapeKind, SurfaceDefinition, sound};
+use glam::DVec3;
 use mech::contact::Feature;
-use base::number::{rounded, shown};
 use scene::leaf::LENGTH_LIMIT;
 use scene::{self, object as o};
-use base::stats::median;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Largest distance of a point of the object from the origin of its frame, m.

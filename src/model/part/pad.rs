@@ -1,25 +1,25 @@
 //! Pads of a scene, meshed in the pad frame and placed on their fingers in the hand frame.
 
+use crate::gripper::FingerPlacement;
+use crate::limits::PadSize;
 use base::error::{Error, Result};
+use base::number::shown;
+use base::scales::CONTACT_FORCE;
 use geometry::Aabb;
 use geometry::mesh::io::read_tri_mesh;
 use geometry::mesh::quality::{Quality, quality};
 use geometry::mesh::{quadratic, surface};
 use geometry::pad::{self, Bonding, Density, PadMesh, Resolution};
-use crate::gripper::FingerPlacement;
-use crate::limits::PadSize;
+use glam::DVec3;
 use mech::body::{self, Body};
 use mech::contact::law::ContactLaw;
 use mech::contact::{ContactSurface, SurfaceFace};
 use mech::material::Material;
-use base::number::shown;
 use record::{self, PadTopology};
-use base::scales::CONTACT_FORCE;
 use scene::bonding::BondingRule;
 use scene::leaf::{LENGTH_LIMIT, PAD_FLOOR};
 use scene::pad::FilePad;
 use scene::{self, Element, Gripper, Pads};
-use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;

@@ -5,16 +5,16 @@
 //! `NAME_weight`, edges as (edges, 2: sender, receiver). Outputs are in the network's units, with the rows of
 //! [`crate::network::NetworkOutput`].
 
-use base::error::Result;
-use base::files::atomic::replace;
-use crate::kernel::Sparse;
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::infer::inputs::{Array, grasp_inputs, pad_inputs};
 use crate::infer::predict::Predictor;
+use crate::kernel::Sparse;
 use crate::network::spec::{NetworkSpec, Paper};
 use crate::network::{Inputs, VolumeNormalisers};
 use crate::train::sample::Sample;
+use base::error::Result;
+use base::files::atomic::replace;
 use ndarray::{Array2, ArrayD};
 use ndarray_npy::NpzWriter;
 use std::io;

@@ -1,18 +1,18 @@
 //! Truth and prediction of a grasp of a data set, as frames in hand axes.
 
-use dataset::inspect::frame;
-use dataset::{ObjectFile, StoredGrasp};
-use base::error::Result;
-use geometry::Pose;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::{GraspLoad, loads_of};
-use model::Model;
 use crate::infer::predict::{PadState, Predictor};
 use crate::infer::touch::object_at;
-use record::{Frame, PadFrame, Wrench};
-use world::components::ObjectPose;
+use crate::linear::first_contact::GeometricContact;
+use crate::linear::{GraspLoad, loads_of};
+use base::error::Result;
+use dataset::inspect::frame;
+use dataset::{ObjectFile, StoredGrasp};
+use geometry::Pose;
 use glam::DVec3;
+use model::Model;
+use record::{Frame, PadFrame, Wrench};
 use std::sync::Arc;
+use world::components::ObjectPose;
 
 /// Returns the frames `wanted` of `grasp` as simulated by finite elements, and as predicted by `predictor` from first
 /// contact; `model` is that of `file`.

@@ -1,7 +1,7 @@
 //! Pictures of truth above prediction, with the same colour and arrow scales.
 
-use dataset::ObjectFile;
 use base::error::{Error, Result};
+use dataset::ObjectFile;
 use record::Frame;
 use record::render::{Pixmap, Scalar, Style, WIDTH, longest_arrow, render_pads};
 use tiny_skia::{PixmapPaint, Transform};

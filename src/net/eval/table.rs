@@ -2,8 +2,8 @@
 
 use super::{FrameError, Judged};
 use crate::eval::rank::kendall;
-use record::ErrorBound;
 use base::stats::Spread;
+use record::ErrorBound;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -14,15 +14,15 @@ pub mod volume;
 
 use self::sub_element::Nearest;
 use self::volume::Volume;
-use model::gripper::FingerPlacement;
 use crate::kernel::Sparse;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::{Layout, PadGraph};
 use crate::linear::rigid_equilibrium::RigidEquilibrium;
-use model::Model;
-use world::components::ObjectPose;
 use glam::{DMat3, DVec3};
+use model::Model;
+use model::gripper::FingerPlacement;
 use std::sync::Arc;
+use world::components::ObjectPose;
 
 /// Sign change of a feature under the mirrors x -> -x and y -> -y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

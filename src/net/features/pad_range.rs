@@ -1,7 +1,7 @@
 //! Dimensions of pads, and their range in a training set.
 
-use record::{ElementNodes, PadTopology};
 use glam::DVec3;
+use record::{ElementNodes, PadTopology};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

@@ -2,9 +2,9 @@
 
 use super::GraspFeatures;
 use super::pad_range::{PadRange, Sensor};
+use crate::features::normalise::MOST;
 use base::error::{Error, Result};
 use model::Model;
-use crate::features::normalise::MOST;
 use record::PadTopology;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,8 @@
 //! Queries of the object between the nodes of a pad: first contact may be there.
 
 use super::View;
-use geometry::face_lookup::FaceLookup;
 use crate::linear::pad_graph::PadGraph;
+use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
 /// Point of the object nearest to the face around a node, over the thickness.

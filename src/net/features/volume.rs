@@ -10,15 +10,15 @@
 //! once.
 
 use super::Parity;
-use geometry::Aabb;
 use crate::kernel::Sparse;
 use crate::linear::edges::Edges;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
+use geometry::Aabb;
+use glam::{DMat3, DVec3};
 use mech::element::EDGES;
 use model::Model;
 use record::{ElementNodes, PadTopology};
-use glam::{DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

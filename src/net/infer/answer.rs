@@ -2,15 +2,15 @@
 
 use super::predict::{GraspState, PadState};
 use super::touch::touched;
-use crate::linear::pad_graph::PadGraph;
 use crate::autodiff::tape::Matrix;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
+use crate::linear::pad_graph::PadGraph;
 use crate::network::interval::{Interval, Signs};
 use crate::network::{NetworkOutput, Normalisers};
-use record::ErrorBound;
 use glam::DVec3;
 use rayon::prelude::*;
+use record::ErrorBound;
 use std::sync::Arc;
 
 /// Output of the network for some load levels of a grasp.

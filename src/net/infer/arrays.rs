@@ -3,15 +3,15 @@
 use super::many::PredictedGrasp;
 use super::predict::{GraspState, PadState};
 use super::touch::object_at;
+use crate::linear::GraspLoad;
 use base::error::Result;
 use geometry::Pose;
-use crate::linear::GraspLoad;
+use glam::DVec3;
 use model::Model;
 use model::observe::Now;
+use rayon::prelude::*;
 use record::{ErrorBound, names};
 use world::components::ObjectPose;
-use glam::DVec3;
-use rayon::prelude::*;
 
 /// Calls `put` with name, shape and numbers of each available array of `answers` under `loads`, one at a time, since
 /// all of them may not fit in memory. Fields are in the frame of each pad: displacement and contact force (grasps,

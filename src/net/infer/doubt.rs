@@ -1,10 +1,10 @@
 //! Grasps with the largest predicted error, which are the most useful to add to a training set.
 
 use super::predict::Predictor;
-use base::error::{Error, Result};
-use geometry::Pose;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::loads_of;
+use base::error::{Error, Result};
+use geometry::Pose;
 use model::Model;
 use scene::Scene;
 

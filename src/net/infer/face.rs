@@ -3,11 +3,11 @@
 use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
 use super::response::{self, respond};
-use crate::kernel::activation::Act;
-use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::autodiff::tape::Matrix;
 use crate::features::loads::LoadFeatures;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD};
+use crate::kernel::activation::Act;
+use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::network::parameters::Parameters;
 use crate::network::spec::Face;
 use crate::network::{NetworkOutput, Normalisers};

@@ -8,8 +8,8 @@
 
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use base::error::Result;
 use crate::linear::{GraspLoad, around};
+use base::error::Result;
 use glam::DVec3;
 
 /// Number of forces; neighbours differ by a third if the largest force of an agent is seven times the smallest.

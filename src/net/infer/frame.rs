@@ -3,11 +3,11 @@
 use super::many::PredictedGrasp;
 use super::predict::PadState;
 use super::touch::object_at;
+use glam::DVec3;
 use model::Model;
 use record::{Frame, PadFrame};
 use world::components::{ContactForce, ObjectPose};
 use world::systems::{contact_area, slip};
-use glam::DVec3;
 
 impl PredictedGrasp {
     /// Returns the frame under load `load` with the inputs of tactile sensors: shape and forces of the pads, pose of

@@ -5,9 +5,9 @@
 
 use super::face::{Code, beside, multiply, row};
 use super::message::BLOCK;
+use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::kernel::activation::{Act, positive};
 use crate::kernel::product::{Packed, Product, RowsView, padded, product};
-use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::network::Normalisers;
 use crate::network::face::LITTLE;
 use crate::network::parameters::Parameters;

@@ -5,8 +5,8 @@ use super::touch::object_at;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::limit_surface::LimitSurface;
-use model::Model;
 use glam::DVec3;
+use model::Model;
 
 /// Returns true if weight or a push acts on the object of a grasp with first contact `touch`.
 pub fn pulls(touch: &GeometricContact, load: &GraspLoad) -> bool {

@@ -5,15 +5,15 @@ use super::FaceEngine;
 use super::hold::{hold, pulls};
 use super::predict::{Predictor, Seen};
 use super::ramp::Ramp;
-use base::error::Result;
-use geometry::Pose;
-use base::interrupt;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
+use base::error::Result;
+use base::interrupt;
+use geometry::Pose;
 use model::Model;
-use world::environment::Environment;
 use rayon::prelude::*;
 use std::sync::Arc;
+use world::environment::Environment;
 
 /// Largest number of grasps decoded together: with two pads each, they fill a register.
 const TOGETHER: usize = 8;
@@ -36,12 +36,7 @@ impl Predictor {
     /// # Errors
     /// Fails if the scene, or each of its forces, is outside the trained range and may not be extrapolated, and if it
     /// is interrupted.
-    pub fn many(
-        &self,
-        model: &Arc<Model>,
-        poses: &[Pose],
-        extrapolate: bool,
-    ) -> Result<Vec<Result<PredictedGrasp>>> {
+    pub fn many(&self, model: &Arc<Model>, poses: &[Pose], extrapolate: bool) -> Result<Vec<Result<PredictedGrasp>>> {
         let graph = self.admit_some(model, extrapolate)?;
         let loads: Vec<GraspLoad> = self.answered(model, extrapolate).into_iter().map(|(_, load)| load).collect();
         // Groups are small enough to occupy all threads; their composition does not change a single bit.

@@ -2,22 +2,22 @@
 
 use super::answer::Answer;
 use super::{Code, Decoding, FaceEngine};
-use base::error::{Error, Result};
+use crate::autodiff::tape::{Matrix, Tape};
+use crate::features::GraspFeatures;
+use crate::features::loads::LoadFeatures;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::known_pads::KnownPads;
 use crate::linear::pad_graph::{PadGraph, mesh_hash};
 use crate::linear::{GraspLoad, loads_of};
-use model::Model;
-use crate::autodiff::tape::{Matrix, Tape};
-use crate::features::GraspFeatures;
-use crate::features::loads::LoadFeatures;
 use crate::network::card::{Card, Trained, WEIGHTS};
 use crate::network::parameters::Parameters;
 use crate::network::spec::NetworkSpec;
 use crate::network::{Inputs, Network, NetworkOutput, build};
-use record::ErrorBound;
+use base::error::{Error, Result};
 use glam::DVec3;
+use model::Model;
 use rayon::prelude::*;
+use record::ErrorBound;
 use std::path::Path;
 use std::sync::Arc;
 

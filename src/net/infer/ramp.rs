@@ -10,11 +10,11 @@
 use super::FaceEngine;
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use base::error::Result;
 use crate::linear::GraspLoad;
+use base::error::Result;
+use glam::DVec3;
 use model::Model;
 use record::ErrorBound;
-use glam::DVec3;
 use std::ops::Range;
 
 /// Number of loads of a ramp, and of a push, that are decoded initially.

@@ -4,11 +4,11 @@
 //! Loads are interleaved, one SIMD register at a time.
 
 use super::heads::Channels;
+use crate::autodiff::ops::LITTLE;
 use crate::kernel::activation::Act;
 use crate::kernel::product::{Packed, Product, RowsView, padded};
 use crate::linear::compliance::Compliance;
 use crate::linear::pad_graph::PadGraph;
-use crate::autodiff::ops::LITTLE;
 use crate::network::Normalisers;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;

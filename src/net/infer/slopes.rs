@@ -3,23 +3,23 @@
 
 use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
-use base::error::{Error, Result};
-use geometry::Pose;
-use base::interrupt;
+use crate::features::GraspFeatures;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, loads_of};
-use model::Model;
-use crate::features::GraspFeatures;
 use crate::network::card::{Card, Trained};
 use crate::network::spec::NetworkSpec;
-use model::part::FingerModel;
-use scene::{Loading, Scene};
-use world::environment::Environment;
+use base::error::{Error, Result};
+use base::interrupt;
+use geometry::Pose;
 use glam::{DQuat, DVec3};
+use model::Model;
+use model::part::FingerModel;
 use rayon::prelude::*;
+use scene::{Loading, Scene};
 use std::path::Path;
 use std::sync::Arc;
+use world::environment::Environment;
 
 /// Direction of differentiation of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,14 +2,14 @@
 //! field and pose.
 
 use super::predict::PadState;
+use crate::features::GraspFeatures;
 use crate::linear::GraspLoad;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::object_motion::moved;
-use model::Model;
-use crate::features::GraspFeatures;
 use crate::network::interval::Signs;
-use world::components::ObjectPose;
 use glam::DVec3;
+use model::Model;
+use world::components::ObjectPose;
 
 /// Pressing force of a node, over the largest, below which the node is not used to locate the object.
 const FAINT: f64 = 1e-2;

@@ -7,12 +7,12 @@
 
 use super::deviator::{Deviator, deviators};
 use super::refined_pad::RefinedPad;
-use base::error::{Error, Result};
 use crate::kernel::numbers::Numbers;
 use crate::kernel::product::{LANES, Packed, RowsView, respond};
+use base::error::{Error, Result};
+use glam::DVec3;
 use mech::body::cholesky::Factor;
 use model::part::FingerModel;
-use glam::DVec3;
 
 /// Number of right-hand sides that are solved at once.
 const COLUMNS: usize = 96;

@@ -6,10 +6,10 @@
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
-use base::files::atomic::{create_dir, write_atomic};
 use crate::kernel::numbers::Map;
-use model::part::FingerModel;
+use base::files::atomic::{create_dir, write_atomic};
 use etcetera::BaseStrategy;
+use model::part::FingerModel;
 use pulp::bytemuck::{AnyBitPattern, NoUninit, cast_slice};
 use safetensors::tensor::{Dtype, Metadata, TensorView, serialize};
 use std::borrow::Cow;

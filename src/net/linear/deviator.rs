@@ -2,10 +2,10 @@
 //! it.
 
 use crate::kernel::numbers::Numbers;
+use glam::DVec3;
 use mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
 use model::part::FingerModel;
 use record::ElementNodes;
-use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Number of coefficients per neighbour: xx and yy from (x, y, z), xy from (x, y), yz from (y, z), zx from (z, x).

@@ -4,17 +4,17 @@
 //! stepper takes part. It does not depend on any finite element result.
 
 use base::error::{Error, Result};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::Schedule;
 use geometry::Pose;
+use glam::DVec3;
 use model::Model;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use world::Stepper;
 use world::components::{FingerIndex, FingerTravel, ObjectPose};
 use world::environment::Environment;
 use world::schedule::Phase;
-use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::Schedule;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// State of a grasp when the pads first touch the object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -16,8 +16,8 @@ pub mod projected_gradient;
 mod refined_pad;
 pub mod rigid_equilibrium;
 
-use model::Model;
 use glam::DVec3;
+use model::Model;
 
 /// Load on a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

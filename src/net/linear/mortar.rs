@@ -4,10 +4,10 @@
 //! linear between corner nodes does not (mortar contact: Bernardi, Maday and Patera 1994).
 
 use crate::linear::compliance::Compliance;
-use mech::element::EDGES;
-use record::{ElementNodes, PadTopology};
 use glam::DVec3;
+use mech::element::EDGES;
 use rayon::prelude::*;
+use record::{ElementNodes, PadTopology};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Additional response of a basis function to its own force, over the linear one, if its neighbours carry none: the

@@ -1,9 +1,9 @@
 //! Rigid motion of the object, measured at its point midway between the pads.
 
 use super::amid;
+use glam::{DMat3, DQuat, DVec3};
 use model::Model;
 use world::components::ObjectPose;
-use glam::{DMat3, DQuat, DVec3};
 
 /// Computes the motion of the object from `start` to `now`, in the axes of a pad: translation of its point midway
 /// between the pads, m, and rotation vector.

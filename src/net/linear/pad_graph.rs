@@ -10,13 +10,13 @@ use super::compliance::Compliance;
 use super::compliance_cache::{ComplianceCache, ComplianceKey};
 use super::edges::Edges;
 use super::mortar::MortarBasis;
+use crate::kernel::Sparse;
 use base::error::{Error, Result};
 use geometry::face_lookup::FaceLookup;
-use crate::kernel::Sparse;
-use model::part::FingerModel;
-use record::PadTopology;
 use glam::{DVec2, DVec3, Vec3Swizzles};
+use model::part::FingerModel;
 use rayon::prelude::*;
+use record::PadTopology;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

@@ -10,8 +10,8 @@
 
 use super::compliance::Compliance;
 use crate::kernel::product::{Packed, RowsView, respond};
-use mech::contact::coulomb::{kept, slips};
 use glam::DVec3;
+use mech::contact::coulomb::{kept, slips};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Number of gradient steps.

@@ -2,10 +2,10 @@
 //! small displacements are close to those of the continuum.
 
 use geometry::mesh::{TetMesh, quadratic};
+use glam::DVec3;
 use mech::body::{Body, Elements};
 use model::part::FingerModel;
 use record::ElementNodes;
-use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Refined pad of a finger.

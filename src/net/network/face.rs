@@ -14,8 +14,6 @@
 //! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
 use super::{Inputs, Network, NetworkOutput, constant, repeat};
-use crate::kernel::Sparse;
-use crate::linear::pad_graph::Layout;
 use crate::autodiff::ops::{
     Activation, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, share, sum,
     von_mises,
@@ -24,6 +22,8 @@ use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, NODE, PAD};
+use crate::kernel::Sparse;
+use crate::linear::pad_graph::Layout;
 use crate::network::parameters::{Id, Maker, Parameters};
 use crate::network::spec::Face;
 use std::sync::Arc;

@@ -6,9 +6,9 @@
 //! half yields the factor from the estimate to the end of the interval, so that the interval contains 90 % of the
 //! errors of similar grasps.
 
-use record::ErrorBound;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use record::ErrorBound;
 use serde::{Deserialize, Serialize};
 
 /// Error indicators of an answer, all dimensionless: the constant 1; logarithms of the mismatch of the pressed nodes

@@ -12,13 +12,13 @@
 //! layer on the face.
 
 use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
-use crate::linear::edges::Edges;
-use crate::linear::pad_graph::Layout;
 use crate::autodiff::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::linear::edges::Edges;
+use crate::linear::pad_graph::Layout;
 use crate::network::parameters::{Id, Maker, Parameters};
 use crate::network::spec::Paper;
 

@@ -1,8 +1,8 @@
 //! Parameters of a network: named matrices in a fixed order, their initial values, and their file.
 
-use base::error::{Error, Result};
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::Matrix;
+use base::error::{Error, Result};
 use base::random::Random;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;

@@ -1,12 +1,5 @@
 //! Training data: grasps of a data set, their statistics and range, and the held-out validation grasps.
 
-use dataset::split::{Poses, Sets};
-use dataset::{DataSet, Splits};
-use base::error::{Error, Result};
-use base::interrupt;
-use crate::linear::known_pads::KnownPads;
-use crate::linear::pad_graph::Layout;
-use model::Model;
 use crate::autodiff::ops::{displaced, respond};
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
@@ -14,9 +7,16 @@ use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::features::{EDGE, NODE, PAD, Parity};
+use crate::linear::known_pads::KnownPads;
+use crate::linear::pad_graph::Layout;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{Sample, model_of};
+use base::error::{Error, Result};
+use base::interrupt;
 use base::random::Random;
+use dataset::split::{Poses, Sets};
+use dataset::{DataSet, Splits};
+use model::Model;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 
 use super::sample::Sample;
 use crate::infer::predict::{GraspState, PadState};
-use record::ErrorBound;
 use glam::DVec3;
+use record::ErrorBound;
 use serde::Serialize;
 
 /// Errors of one frame of one grasp, over all pads. Relative errors are relative to the field's L2 norm in that frame.

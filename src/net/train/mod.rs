@@ -23,15 +23,15 @@ use super::network::interval::{Interval, Kept, Signs};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Inputs, Network, Normalisers, build};
-use dataset::DataSet;
+use crate::linear::known_pads::KnownPads;
+use adam::Adam;
 use base::error::{Error, Result};
 use base::files::lock::FolderLock;
 use base::interrupt;
-use crate::linear::known_pads::KnownPads;
 use base::random::Random;
-use adam::Adam;
 use checkpoint::Left;
 use curves::Epoch;
+use dataset::DataSet;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 

@@ -1,20 +1,20 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use dataset::{ObjectFile, StoredGrasp};
-use base::error::{Error, Result};
-use geometry::Pose;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::object_motion::motion;
-use crate::linear::pad_graph::PadGraph;
-use crate::linear::{GraspLoad, loads_of};
-use model::Model;
 use crate::autodiff::ops::{product, root_error};
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
+use crate::linear::first_contact::GeometricContact;
+use crate::linear::object_motion::motion;
+use crate::linear::pad_graph::PadGraph;
+use crate::linear::{GraspLoad, loads_of};
 use crate::network::{NetworkOutput, Normalisers};
+use base::error::{Error, Result};
+use dataset::{ObjectFile, StoredGrasp};
+use geometry::Pose;
+use model::Model;
 use scene::from_ron;
 use world::components::ObjectPose;
 

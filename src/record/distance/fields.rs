@@ -1,8 +1,8 @@
 //! Fields of different meshes at common points: shape functions interpolate nodal values.
 
-use mech::element::{RestTet, TET10, tet10_values};
 use crate::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
+use mech::element::{RestTet, TET10, tet10_values};
 use std::iter::Sum;
 use std::ops::Mul;
 
@@ -175,8 +175,8 @@ fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::mesh::{grid, quadratic};
     use crate::{ElementNodes, PadFrame};
+    use geometry::mesh::{grid, quadratic};
 
     #[test]
     fn quadratic_fields_are_reproduced_and_volumes_add_up() {

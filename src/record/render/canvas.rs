@@ -3,9 +3,9 @@
 use super::draw::{PAPER, clear};
 use super::sheet::Sheet;
 use super::text::Label;
+use crate::render::{Pixmap, save};
 use base::error::{Error, Result};
 use base::files::atomic::write_atomic;
-use crate::render::{Pixmap, save};
 use plotters::coord::Shift;
 use plotters::coord::combinators::LogCoord;
 use plotters::coord::ranged1d::ValueFormatter;

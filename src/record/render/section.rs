@@ -2,9 +2,9 @@
 
 use super::raster::Vertex;
 use super::style::NodalValues;
-use mech::element::{EDGES, tet10_values};
 use crate::ElementNodes;
 use glam::DVec3;
+use mech::element::{EDGES, tet10_values};
 
 /// Clipping plane that keeps the points `x` with `normal . x >= offset`.
 #[derive(Debug, Clone, Copy)]

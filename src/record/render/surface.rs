@@ -4,12 +4,12 @@
 use super::normals::corner_normals;
 use super::raster::Vertex;
 use super::style::NodalValues;
+use crate::{ElementNodes, PadTopology};
+use glam::DVec3;
 use mech::contact::SurfaceFace;
 use mech::contact::surface::sub_triangles;
 use mech::element::EDGES;
 use mech::potential::term::Stencil;
-use crate::{ElementNodes, PadTopology};
-use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
 /// Number of segments per edge of a curved face: about six pixels each at 13 pixels/mm and 2.6 mm per face edge.

@@ -1,8 +1,8 @@
 //! Text labels in the Ubuntu font embedded by `epaint_default_fonts`, rasterised by `ab_glyph`.
 
 use super::draw::Rgb;
-use base::error::{Error, Result};
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use base::error::{Error, Result};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 /// Horizontal alignment: position of the anchor point on the line of text.

@@ -8,8 +8,8 @@ use super::section::CutPlane;
 use super::style::Scalar;
 use super::surface::Surface;
 use super::text::{Align, Label};
-use geometry::mesh::TriMesh;
 use crate::{Frame, PadTopology, pad_name};
+use geometry::mesh::TriMesh;
 use glam::{DVec2, DVec3};
 use tiny_skia::Pixmap;
 

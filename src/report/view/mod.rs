@@ -7,9 +7,9 @@
 mod content;
 mod server;
 
+use crate::Wishes;
 use base::error::Result;
 use base::interrupt;
-use crate::Wishes;
 use content::Content;
 use server::{Reply, Server};
 use std::path::PathBuf;

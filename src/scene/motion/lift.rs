@@ -21,7 +21,7 @@ impl Play for Lift {
 
     fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let by = stage.up * (self.height.get() * smooth(time / self.duration()));
-        HandState { position: start.position + by, ..*start }
+        start.displaced(by)
     }
 
     fn needs_gravity(&self) -> bool {

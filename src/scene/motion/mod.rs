@@ -18,29 +18,23 @@ pub use rotate::Rotate;
 pub use shake::Shake;
 pub use shift::Move;
 
-use glam::{DQuat, DVec3};
+use geometry::Pose;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Pose and squeezing force of the hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandState {
-    /// Origin of the hand frame in the world, m.
-    pub position: DVec3,
-    /// Rotation from the hand frame to the world.
-    pub rotation: DQuat,
+    /// Pose of the hand in the world.
+    pub pose: Pose,
     /// Sum of the closing forces of the fingers, N.
     pub force: f64,
 }
 
 impl HandState {
-    /// Returns the position in the world of a point of the hand frame, m.
-    pub fn to_world(&self, x: DVec3) -> DVec3 {
-        self.rotation * x + self.position
-    }
-
-    /// Returns the position in the hand frame of a point of the world, m.
-    pub fn to_hand(&self, x: DVec3) -> DVec3 {
-        self.rotation.conjugate() * (x - self.position)
+    /// Returns this state with the hand displaced by `by` (m, world frame).
+    fn displaced(&self, by: DVec3) -> Self {
+        Self { pose: Pose { position: self.pose.position + by, ..self.pose }, ..*self }
     }
 }
 

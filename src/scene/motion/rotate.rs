@@ -3,6 +3,7 @@
 use super::{HandState, Play, Stage, smooth};
 use crate::leaf::{Finite, Seconds};
 use crate::vector::Direction;
+use geometry::Pose;
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
@@ -25,9 +26,9 @@ impl Play for Rotate {
 
     fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
         let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
-        let rotation = (start.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
+        let rotation = (start.pose.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
         // The point midway between the pads is the centre of rotation.
-        let position = start.transform(stage.center) - rotation * stage.center;
-        HandState { position, rotation, ..*start }
+        let position = start.pose.transform(stage.center) - rotation * stage.center;
+        HandState { pose: Pose { position, rotation }, ..*start }
     }
 }

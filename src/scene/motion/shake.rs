@@ -31,6 +31,6 @@ impl Play for Shake {
         let fade = (1.0 / frequency).min(0.5 * duration);
         let amplitude = self.amplitude.get() * smooth(time / fade) * smooth((duration - time) / fade);
         let by = self.direction.unit() * (amplitude * (TAU * frequency * time).sin());
-        HandState { position: start.position + by, ..*start }
+        start.displaced(by)
     }
 }

@@ -22,6 +22,6 @@ impl Play for Move {
 
     fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
         let by = self.by.dvec3() * smooth(time / self.duration());
-        HandState { position: start.position + by, ..*start }
+        start.displaced(by)
     }
 }

@@ -4,13 +4,13 @@ use super::recorder::Options;
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use geometry::mesh::TriMesh;
+use glam::{DQuat, DVec3};
 use record::arrays::GraspArrays;
 use record::csv::FramesCsv;
 use record::frame::{Frame, PadTopology};
 use record::pvd::Collection;
-use record::{check, vtu};
 use record::render::{self, Style};
-use glam::{DQuat, DVec3};
+use record::{check, vtu};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

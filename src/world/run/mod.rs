@@ -7,19 +7,19 @@ pub mod recorder;
 pub mod sensitivity;
 pub mod writer;
 
-use base::error::{Error, Result};
-use geometry::Pose;
-use base::interrupt;
-use model::judge::Findings;
-use model::judge::Measured;
-use model::limits::free_memory;
-use model::Model;
-use record::{Frame, GraspSummary, Status};
 use crate::Stepper;
 use crate::environment::Environment;
 use crate::schedule::{Phase, Timings};
 use crate::systems::inversion::inverted;
+use base::error::{Error, Result};
+use base::interrupt;
+use geometry::Pose;
 pub use grasp_files::GraspRecorder;
+use model::Model;
+use model::judge::Findings;
+use model::judge::Measured;
+use model::limits::free_memory;
+use record::{Frame, GraspSummary, Status};
 pub use recorder::{Options, RunRecorder};
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -1,9 +1,9 @@
 //! Motion quantities for the expectations of a dynamic scene.
 
-use model::judge::Measured;
-use model::Model;
-use record::{Frame, Moving};
 use glam::{DQuat, DVec3};
+use model::Model;
+use model::judge::Measured;
+use record::{Frame, Moving};
 
 /// Tally of the motion of an object over the frames of a grasp.
 #[derive(Debug, Default)]

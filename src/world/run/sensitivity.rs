@@ -5,16 +5,16 @@
 //! Errors of a solver or a network below these differences are not significant, and do not show which result is right.
 
 use super::{Observer, Outcome, run_grasps};
-use record::distance::{Distance, Points, Probe};
+use crate::Stepper;
 use base::error::Result;
 use geometry::Pose;
+use glam::{DQuat, DVec3};
 use model::Model;
+use record::distance::{Distance, Points, Probe};
 use record::sensitivity::{Change, Moved};
 use record::{Frame, PadTopology, Status};
 use scene::leaf::{NonNegative, Positive};
 use scene::{Loading, Scene};
-use crate::Stepper;
-use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 

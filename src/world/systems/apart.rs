@@ -1,11 +1,11 @@
 //! Rejection of pads that meet next to a thin object: contact between the pads is not modelled.
 
-use mech::contact::{ContactSurface, SurfaceFace};
-use base::scales::FACE_BULGE;
 use crate::components::{ClosingDirection, FingerIndex, FingerTravel, Position, TABLES, rows_by_pad};
 use crate::schedule::{Next, Phase, Shared, StepLoad, StepReport};
+use base::scales::FACE_BULGE;
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
+use mech::contact::{ContactSurface, SurfaceFace};
 
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap in the state just reached.
 pub fn keep_pads_apart(

@@ -1,9 +1,9 @@
 //! Audit as a system, which exists only if an expectation of the scene requires it.
 
-use model::judge::Findings;
 use crate::schedule::{CurrentGrasp, Recorded, Shared, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use model::judge::Findings;
 use std::time::Instant;
 
 /// Findings on the last recorded frame.

@@ -1,11 +1,11 @@
 //! Contact area of each pad.
 
-use mech::potential::term::Stencil;
-use model::part::FingerModel;
 use crate::components::*;
 use crate::schedule::Shared;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use mech::potential::term::Stencil;
+use model::part::FingerModel;
 
 /// Fraction of the largest nodal force above which the area of a node counts, if only nodal forces are known: a node at
 /// the rim of the contact also carries pressure next to it.

@@ -1,8 +1,8 @@
 //! Error message for an inverted element.
 
+use glam::DVec3;
 use model::Model;
 use record::pad_name;
-use glam::DVec3;
 
 /// Describes the most inverted element of the pads and its reference position; `x`: node positions of each pad, m.
 pub fn inverted(model: &Model, x: &[&[DVec3]]) -> String {

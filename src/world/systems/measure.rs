@@ -1,10 +1,10 @@
 //! Balance of the forces of a frame, computed from the wrenches alone, for any stepper.
 
-use record::Wrench;
 use crate::components::*;
 use crate::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use record::Wrench;
 
 /// Loads on the object in addition to those of the pads.
 type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);

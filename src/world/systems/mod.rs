@@ -11,10 +11,10 @@ pub(crate) mod sense;
 pub(crate) mod slip;
 mod tactile;
 
-use model::Needs;
 use crate::schedule::{StepSet, ramping, reached};
 use crate::systems::audit::audit_frame;
 use bevy_ecs::prelude::*;
+use model::Needs;
 
 /// Adds the shared systems to their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {

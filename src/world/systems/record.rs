@@ -1,10 +1,10 @@
 //! Frame of a step, read from the columns, and the phase of the next step.
 
-use record::{Frame, Moving, PadFrame, Wrench};
 use crate::components::*;
 use crate::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use record::{Frame, Moving, PadFrame, Wrench};
 
 /// Node columns of a frame; optional ones are None if the scene does not need them.
 type Nodes<'a> = (

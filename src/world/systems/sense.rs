@@ -1,14 +1,14 @@
 //! First contact, determined geometrically with undeformed pads.
 
-use model::gripper::{Approach, approach};
-use model::Model;
-use model::part::FingerModel;
-use record::pad_name;
 use crate::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
 use crate::schedule::{Next, Phase, Shared};
 use crate::systems::apart::overlap;
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3};
+use model::Model;
+use model::gripper::{Approach, approach};
+use model::part::FingerModel;
+use record::pad_name;
 
 /// Closes every finger until its pad touches the object, or ends the grasp with the reason why it cannot.
 ///

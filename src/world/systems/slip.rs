@@ -1,14 +1,14 @@
 //! Slip of the nodes of the pads over the object.
 
-use geometry::face_lookup::FaceLookup;
-use mech::contact::coulomb::tangential;
-use mech::potential::term::Stencil;
-use model::Model;
 use crate::components::*;
 use crate::schedule::Shared;
 use crate::systems::contact_area::pressed;
 use bevy_ecs::prelude::*;
+use geometry::face_lookup::FaceLookup;
 use glam::DVec3;
+use mech::contact::coulomb::tangential;
+use mech::potential::term::Stencil;
+use model::Model;
 
 /// Fraction of Coulomb's limit from which on a tangential force counts as slipping, if only nodal forces are known.
 const AT_LIMIT: f64 = 0.99;

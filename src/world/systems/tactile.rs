@@ -1,8 +1,8 @@
 //! Arrays of the tactile sensors in the frame of a step.
 
-use model::observe::Now;
 use crate::schedule::{Recorded, Shared};
 use bevy_ecs::prelude::*;
+use model::observe::Now;
 
 /// Adds the arrays of the tactile sensors that the scene records to the frame.
 pub fn record_tactile(shared: Res<Shared>, mut recorded: ResMut<Recorded>) {

@@ -25,17 +25,17 @@ pub use term::CondensedEnergy;
 
 use base::error;
 use base::history::{HistoryReader, HistoryWriter};
+use base::scales::FIRST_DEPTH;
+use glam::DVec3;
 use mech::newton::Failure;
 use mech::path::continuation::PadDiscretisation;
 use mech::path::{Advanced, Path};
 use mech::potential::state::{RigidUnknowns, State};
 use mech::potential::term::Stencil;
 use model::Model;
-use base::scales::FIRST_DEPTH;
-use world::components::ObjectPose;
-use glam::DVec3;
 use rayon::prelude::*;
 use std::time::Instant;
+use world::components::ObjectPose;
 
 /// The condensed pads of one grasp.
 pub struct Condensation {
@@ -304,8 +304,8 @@ fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
 mod tests {
     use super::*;
     use crate::fem::stepper::GraspSolver;
-    use model::grasp::poses_of;
     use mech::potential::term::Assembly;
+    use model::grasp::poses_of;
     use scene::from_ron;
 
     /// After a failed attempt in which a patch grew, stiffness and unknowns belong to the same patch: the system can be

@@ -3,6 +3,8 @@
 use super::term::CondensedEnergy;
 use base::error::{Error, Result};
 use base::history::{HistoryReader, HistoryWriter};
+use faer::Mat;
+use glam::{DVec3, Vec3};
 use mech::body::Body;
 use mech::body::cholesky::Factor;
 use mech::body::pattern::FIXED;
@@ -10,8 +12,6 @@ use mech::body::single_precision::SinglePrecisionFactor;
 use mech::newton::Failure;
 use mech::potential::term::Stencil;
 use model::part::FingerModel;
-use faer::Mat;
-use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// Pad with the factor of its stiffness.

@@ -1,10 +1,10 @@
 //! Choice of the nodes of a pad that may carry contact.
 
+use base::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
 use geometry::shape::Shape;
 use mech::potential::state::BodyView;
 use mech::potential::term::Stencil;
 use model::part::FingerModel;
-use base::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
 use std::collections::BTreeSet;
 
 /// Number of nodes up to which a patch has the margin `SMALL_PATCH_MARGIN`.

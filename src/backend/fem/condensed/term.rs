@@ -1,12 +1,12 @@
 //! Energy of a condensed pad, as a term of the potential.
 
+use faer::Mat;
+use glam::DVec3;
 use mech::body::Body;
 use mech::body::pattern::FIXED;
 use mech::potential::block::BodyBlock;
 use mech::potential::state::BodyView;
 use mech::potential::term::{Assembly, BodyTerm};
-use faer::Mat;
-use glam::DVec3;
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 

@@ -2,8 +2,11 @@
 
 use super::{advance, terms};
 use base::error;
-use geometry::Pose;
 use base::history::{HistoryReader, HistoryWriter};
+use base::scales::SAFE_MOTION;
+use bevy_ecs::prelude::*;
+use geometry::Pose;
+use glam::DQuat;
 use mech::newton::effort::most_iterations;
 use mech::newton::{Failure, NewtonTolerance};
 use mech::path::step_size::StepSize;
@@ -11,10 +14,7 @@ use mech::path::{Advanced, Path};
 use mech::potential::state::State;
 use mech::potential::time_step::TimeStep;
 use model::{Dynamics, Model};
-use base::scales::SAFE_MOTION;
 use scene::motion::HandState;
-use bevy_ecs::prelude::*;
-use glam::DQuat;
 
 /// Time and history for the predictor. Velocities and friction anchors are stored in the terms.
 #[derive(Resource, Debug)]
@@ -85,9 +85,9 @@ impl Integrator {
     /// Adds the dynamic terms to the solver, and sets its tolerances.
     fn begin(&mut self, path: &mut Path, model: &Model, dynamics: &Dynamics, settings: &scene::Fem) {
         if !model.free {
-            hold_in_world(&mut path.state, &self.hand);
+            hold_in_world(&mut path.state, &self.hand.pose);
         }
-        terms::add(&mut path.newton, model, dynamics, &path.state, self.hand);
+        terms::add(&mut path.newton, model, dynamics, &path.state, self.hand.pose);
         let end = model.levels.last().copied().unwrap_or(0.0);
         let steps = (end / dynamics.time_step).ceil() as usize;
         path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
@@ -105,7 +105,7 @@ impl Integrator {
         // The object was already moving before the start.
         let mut before = path.state.clone();
         if model.free {
-            let (h, back) = (dynamics.time_step, self.hand.rotation.conjugate());
+            let (h, back) = (dynamics.time_step, self.hand.pose.rotation.conjugate());
             let turn = DQuat::from_scaled_axis(back * dynamics.spin * -h);
             let arm = before.rotation * model.object.mass.center;
             before.position += arm - turn * arm - back * dynamics.velocity * h;
@@ -150,7 +150,7 @@ impl Integrator {
     ) -> Result<(), Failure> {
         let size = end - self.time;
         let hand = dynamics.hand(&self.pose, end);
-        let step = TimeStep { size, hand };
+        let step = TimeStep { size, hand: hand.pose };
         let newton = &mut path.newton;
         newton.step = Some(step);
         // The choice of the initial guess below compares energies, which depend on the start of the step.
@@ -162,8 +162,8 @@ impl Integrator {
             None => here.clone(),
         };
         if !model.free {
-            hold_in_world(&mut here, &hand);
-            hold_in_world(&mut predicted, &hand);
+            hold_in_world(&mut here, &hand.pose);
+            hold_in_world(&mut predicted, &hand.pose);
         }
         let start = advance::start(newton, &here, predicted, SAFE_MOTION * path.tolerance.offset);
         match newton.solve(&path.state, start, &path.tolerance) {
@@ -186,7 +186,7 @@ impl Integrator {
 }
 
 /// Keeps a fixed object at its pose in the world while the hand moves.
-fn hold_in_world(state: &mut State, hand: &HandState) {
+fn hold_in_world(state: &mut State, hand: &Pose) {
     state.rotation = hand.rotation.conjugate();
     state.position = hand.inverse_transform(glam::DVec3::ZERO);
 }

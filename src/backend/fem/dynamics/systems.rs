@@ -2,9 +2,9 @@
 
 use super::integrator::Integrator;
 use crate::fem::stepper::GraspSolver;
+use bevy_ecs::prelude::*;
 use world::components::*;
 use world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
-use bevy_ecs::prelude::*;
 
 /// Integrates up to the time of the frame. On failure the state is the last accepted one and the grasp ends.
 pub fn advance_time(
@@ -41,7 +41,7 @@ pub fn measure_motion(
     mut hand: Single<&mut HandPose>,
     mut object: Query<(&mut ObjectVelocity, &mut ObjectMomentum, &mut InertialWrench, Option<&mut ObjectWeight>)>,
 ) {
-    let at = integrator.hand;
+    let at = integrator.hand.pose;
     **hand = HandPose { position: at.position, rotation: at.rotation };
     let Some(inertia) = &solver.path.newton.object.inertia else { return };
     let back = at.rotation.conjugate();

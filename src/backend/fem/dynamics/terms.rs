@@ -1,5 +1,7 @@
 //! Terms that dynamics adds to those of a quasi-static scene.
 
+use base::scales::STROKE_YIELD;
+use geometry::Pose;
 use mech::contact::GroundContact;
 use mech::newton::Newton;
 use mech::potential::drive::Drive;
@@ -8,12 +10,10 @@ use mech::potential::rigid_inertia::RigidInertia;
 use mech::potential::state::State;
 use mech::potential::viscosity::Viscosity;
 use model::{Dynamics, Model};
-use base::scales::STROKE_YIELD;
-use scene::motion::HandState;
 
 /// Adds the terms for a start from `state` with the hand at `hand`. Everything is at rest except an object with initial
 /// velocity.
-pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: HandState) {
+pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &State, hand: Pose) {
     for (i, finger) in model.fingers.iter().enumerate() {
         let (body, view) = (&finger.body, state.view(i, &newton.rigid));
         let terms = &mut newton.terms[i];

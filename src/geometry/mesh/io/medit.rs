@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::text::{self, VertexReference, Word};
-use base::error::{Error, Result};
 use crate::mesh::TetMesh;
+use base::error::{Error, Result};
 
 /// Parses a Medit file; `path` is for messages. Unused sections (mmg alone writes a dozen: `RequiredEdges`,
 /// `NormalAtVertices` ...) consist of numbers after a count; they are skipped up to the next section name.

@@ -15,9 +15,9 @@ use std::path::Path;
 
 pub use write::{write_obj, write_stl, write_tet};
 
+use crate::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
 use base::error::{Error, Result};
 use base::files::regular;
-use crate::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
 use base::number::counted;
 
 /// Supported formats of triangle meshes, for messages.

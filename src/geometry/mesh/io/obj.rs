@@ -11,8 +11,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::text::{self, Line, Word};
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TriMesh, polygon};
+use base::error::{Error, Result};
 use base::number::counted;
 use glam::DVec3;
 

@@ -7,8 +7,8 @@ use glam::DVec3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
 
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TriMesh, polygon};
+use base::error::{Error, Result};
 use base::number::counted;
 
 /// Element of the file; unused properties are omitted.

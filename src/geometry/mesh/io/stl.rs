@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::text;
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TriMesh};
+use base::error::{Error, Result};
 
 /// Number of bytes before the first facet of a binary file: comment and count.
 const HEADER: usize = 84;

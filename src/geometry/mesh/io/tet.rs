@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::text::{self, VertexReference};
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TetMesh};
+use base::error::{Error, Result};
 
 /// Parses the text of a `.tet` file; `path` is for messages. The tag column is ignored.
 ///

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use super::text::{self, Line, VertexReference};
-use base::error::{Error, Result};
 use crate::mesh::TetMesh;
+use base::error::{Error, Result};
 
 /// Reads the file at `path` and the one in the same folder with the other extension.
 ///

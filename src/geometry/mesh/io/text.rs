@@ -4,8 +4,8 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use base::error::{Error, Result};
 use crate::mesh::MAX_COUNT;
+use base::error::{Error, Result};
 use base::number::counted;
 
 /// Longest accepted line, bytes: all its words are held in memory at once.

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::mesh::{TetMesh, TriMesh};
 use base::error::{Error, Result};
 use base::files::atomic::replace;
-use crate::mesh::{TetMesh, TriMesh};
 
 /// Writes `path` atomically through `fill`.
 ///

@@ -1,9 +1,9 @@
 //! Rings: hollow cylinders.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::revolve;
 use crate::shape::params::{length, require};
+use base::error::Result;
 use glam::DVec2;
 
 /// Builds a ring of rectangular section about z; radii and height in m.

@@ -1,9 +1,9 @@
 //! Bananas.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::sweep;
 use crate::shape::params::{length as check, require, segments as turn};
+use base::error::Result;
 use glam::DVec3;
 
 /// Builds a banana: a tube tapered to both ends along an arc in the xz plane, midpoint at the origin, convex towards

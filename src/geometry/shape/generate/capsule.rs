@@ -1,11 +1,11 @@
 //! Capsules.
 
-use base::error::Result;
 use crate::shape::capsule::Capsule;
 use crate::shape::generate::{revolved_mesh, sphere};
 use crate::shape::params::{length as check, require, segments as turn};
 use crate::shape::polygon::Profile;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::DVec2;
 use std::f64::consts::PI;
 

@@ -1,11 +1,11 @@
 //! Boxes with sharp or rounded edges.
 
-use base::error::Result;
 use crate::mesh::TriMesh;
 use crate::shape::cuboid::Cuboid;
 use crate::shape::params::{length, require, segments as turn};
 use crate::shape::topology::Topology;
 use crate::shape::{MassProperties, RoundedEdge, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;

@@ -1,9 +1,9 @@
 //! Cups.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::revolve;
 use crate::shape::params::{length, require};
+use base::error::Result;
 use glam::DVec2;
 
 /// Builds a straight cup open at +z; outer radius, outer height, thickness of wall and floor in m.

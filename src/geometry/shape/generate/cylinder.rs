@@ -1,12 +1,12 @@
 //! Cylinders.
 
-use base::error::Result;
 use crate::shape::cylinder::Cylinder;
 use crate::shape::generate::revolved_mesh;
 use crate::shape::params::{length, segments as turn};
 use crate::shape::polygon::Profile;
 use crate::shape::rod::Rod;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::DVec2;
 
 /// Builds a cylinder with sharp rims; radius and height in m.

@@ -1,10 +1,10 @@
 //! Ellipsoids.
 
-use base::error::Result;
 use crate::shape::ellipsoid::Ellipsoid;
 use crate::shape::generate::icosphere;
 use crate::shape::params::{length, require, segments as turn};
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::DVec3;
 
 /// Builds an ellipsoid with the given semi-axes along x, y, z, m; the longest is at most 1,000 times the shortest.

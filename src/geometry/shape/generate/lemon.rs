@@ -1,8 +1,8 @@
 //! Lemons.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::fruit;
+use base::error::Result;
 
 /// Builds a lemon: an ellipsoid with a blunt tip at both ends; overall length and diameter in m.
 ///

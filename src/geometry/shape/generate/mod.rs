@@ -35,9 +35,9 @@ pub use sphere::sphere;
 pub use strawberry::strawberry;
 pub use sweep::{sweep, swept_mesh};
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::params::{length as check, segments as turn};
+use base::error::Result;
 use glam::DVec2;
 
 /// Builds a fruit: `profile(s)`, for s in 0..=1 along z and zero at both ends, is scaled to the given length and

@@ -1,8 +1,8 @@
 //! Pears.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::fruit;
+use base::error::Result;
 
 /// Builds a pear: a bulb at -z that narrows into a neck at +z; overall length and diameter in m.
 ///

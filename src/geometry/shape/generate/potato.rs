@@ -1,9 +1,9 @@
 //! Potatoes.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::icosphere;
 use crate::shape::params::{length, require, segments as turn};
+use base::error::Result;
 use base::random::Random;
 use glam::DVec3;
 

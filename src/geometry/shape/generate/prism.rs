@@ -1,9 +1,9 @@
 //! Regular prisms.
 
-use base::error::Result;
 use crate::mesh::TriMesh;
 use crate::shape::Shape;
 use crate::shape::params::{MAX_SEGMENTS, length, require};
+use base::error::Result;
 use glam::DVec3;
 use std::f64::consts::TAU;
 

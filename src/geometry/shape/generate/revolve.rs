@@ -1,11 +1,11 @@
 //! Solids of revolution.
 
-use base::error::Result;
 use crate::mesh::TriMesh;
 use crate::shape::params::segments as turn;
 use crate::shape::polygon::Profile;
 use crate::shape::revolved::Revolved;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

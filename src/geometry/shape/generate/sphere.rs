@@ -1,10 +1,10 @@
 //! Spheres.
 
-use base::error::Result;
 use crate::shape::generate::icosphere;
 use crate::shape::params::{length, segments as turn};
 use crate::shape::sphere::Sphere;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
+use base::error::Result;
 use glam::DVec3;
 
 /// Builds a sphere; radius in m.

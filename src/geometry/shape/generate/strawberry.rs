@@ -1,8 +1,8 @@
 //! Strawberries.
 
-use base::error::Result;
 use crate::shape::Shape;
 use crate::shape::generate::fruit;
+use base::error::Result;
 
 /// Builds a strawberry: a rounded cone, tip at -z, shoulder at +z; overall length and diameter in m.
 ///

@@ -1,9 +1,9 @@
 //! Tubes swept along a path.
 
-use base::error::Result;
 use crate::mesh::TriMesh;
 use crate::shape::Shape;
 use crate::shape::params::{require, segments as turn};
+use base::error::Result;
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
 

@@ -4,13 +4,13 @@ mod contour;
 mod field;
 mod fill;
 
-use base::error::{Error, Result};
 use crate::Aabb;
 use crate::mesh::shells::{agree, orient, shells};
 use crate::mesh::topology::{drop_unused, watertight};
 use crate::mesh::{TriMesh, show};
 use crate::shape::sound::judge;
 use crate::shape::winding::Winding;
+use base::error::{Error, Result};
 use base::number::counted;
 use field::DistanceGrid;
 use glam::DVec3;

@@ -5,12 +5,12 @@
 //! shape functions, quadrature and assembly are independent.
 
 use super::inversion::EDGES;
+use glam::{DMat3, DVec3};
 use mech::body::Body;
 use mech::material::Dilatation;
 use mech::potential::inversion_barrier::{FELT, STIFFNESS};
-use record::ElementNodes;
-use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use record::ElementNodes;
 
 /// Step of the difference quotients in the deformation gradient; truncation and rounding errors are then both below
 /// 1e-9 of the shear modulus.

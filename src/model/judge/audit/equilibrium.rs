@@ -4,8 +4,8 @@
 use super::elasticity::{elastic_gradient, nodal_volume};
 use super::penetration::PadSurface;
 use crate::part::FingerModel;
-use record::Frame;
 use glam::DVec3;
+use record::Frame;
 
 /// Returns the largest unbalanced force of a quasi-static frame over the force of a finger. It is the largest of three
 /// kinds, none of which evaluates the contact law of the solver: forces on nodes that cannot be in contact (norm over

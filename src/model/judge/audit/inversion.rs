@@ -1,7 +1,7 @@
 //! Values of det F of tetrahedra from their node positions.
 
-use record::{ElementNodes, PadTopology};
 use glam::{DMat3, DVec3};
+use record::{ElementNodes, PadTopology};
 
 /// End nodes of the edges whose mid-edge nodes are 4 to 9.
 pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];

@@ -20,13 +20,13 @@ pub mod solid;
 pub mod tetrahedra;
 pub mod triangle;
 
-use geometry::shape::Shape;
 use crate::part::FingerModel;
-use record::Frame;
-use scene::{self, Expectation};
+use geometry::shape::Shape;
 use glam::DVec3;
 use penetration::{ObjectPoints, PadSurface};
 use rayon::prelude::*;
+use record::Frame;
+use scene::{self, Expectation};
 use serde::Serialize;
 use solid::Solid;
 use tetrahedra::Tetrahedra;

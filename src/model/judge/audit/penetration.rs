@@ -5,8 +5,8 @@ use super::solid::Solid;
 use super::tetrahedra::Tetrahedra;
 use super::triangle;
 use geometry::mesh::TriMesh;
-use record::{ElementNodes, PadTopology};
 use glam::DVec3;
+use record::{ElementNodes, PadTopology};
 use std::collections::BTreeMap;
 
 /// Number of parts into which an edge of a boundary face is divided. The resulting points differ from the contact

@@ -6,8 +6,8 @@ use super::columns::Columns;
 use geometry::mesh::TriMesh;
 use geometry::shape::level_set::LevelSet;
 use geometry::shape::{Shape, SurfaceDefinition};
-use scene::{self, object as o};
 use glam::{DVec2, DVec3};
+use scene::{self, object as o};
 use std::sync::Arc;
 
 /// Rigid object in its own frame.

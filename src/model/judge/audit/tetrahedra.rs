@@ -1,8 +1,8 @@
 //! Search for the tetrahedron of a deformed pad that contains a point.
 
 use super::inversion::{jacobian, position};
-use record::{ElementNodes, PadTopology};
 use glam::DVec3;
+use record::{ElementNodes, PadTopology};
 
 /// Tetrahedra of a deformed pad, in a uniform grid to find the one that contains a point.
 pub struct Tetrahedra<'a> {

@@ -1,8 +1,8 @@
 //! Equilibrium of a free object under contact forces.
 
-use crate::linear::balance::ObjectBalance;
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
+use crate::linear::balance::ObjectBalance;
 use std::sync::Arc;
 
 /// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at

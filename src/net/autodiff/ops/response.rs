@@ -4,10 +4,10 @@
 //! The compliance matrix is far larger than the caches, so each reading of it serves [`LANES`] loads at once. Stress is
 //! local: it depends on the displacement of the neighbours of a node.
 
-use crate::linear::compliance::Compliance;
-use crate::linear::deviator::PARTS;
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
+use crate::linear::compliance::Compliance;
+use crate::linear::deviator::PARTS;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 

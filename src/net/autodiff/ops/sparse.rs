@@ -1,8 +1,8 @@
 //! Product of a constant sparse matrix and a dense one, on a tape.
 
-use crate::kernel::Sparse;
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
+use crate::kernel::Sparse;
 use std::sync::Arc;
 
 /// Computes `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).

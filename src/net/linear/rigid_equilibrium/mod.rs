@@ -14,10 +14,10 @@ mod step;
 use crate::linear::first_contact::GeometricContact;
 use crate::linear::pad_graph::PadGraph;
 use crate::linear::{GraspLoad, amid, around};
-use model::Model;
-use world::components::ObjectPose;
 use glam::{DMat3, DQuat, DVec3};
+use model::Model;
 use std::sync::Arc;
+use world::components::ObjectPose;
 
 /// Force of each step of the path over that of the previous one.
 const STEP: f64 = 1.5;

@@ -8,12 +8,12 @@
 
 use super::{Rest, RigidEquilibrium, Seen};
 use crate::linear::GraspLoad;
-use mech::contact::coulomb::{kept, tangential};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par};
 use glam::{DQuat, DVec3};
+use mech::contact::coulomb::{kept, tangential};
 use rayon::prelude::*;
 
 /// Number of rigid unknowns: travel of two fingers (the first one for both, if they are geared), translation and

@@ -5,9 +5,9 @@ use std::path::Path;
 use super::collect::{Collected, kept_nodes};
 use super::groups::NumberWidth;
 use super::{PARAMETRIC, Version, declared};
-use base::error::{Error, Result};
 use crate::mesh::TetMesh;
 use crate::mesh::io::text::{self, Line};
+use base::error::{Error, Result};
 
 /// Parses the text of a gmsh file; `path` is for messages. Keeps the tetrahedra of `group`.
 pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {

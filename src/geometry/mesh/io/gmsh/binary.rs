@@ -6,8 +6,8 @@ use super::collect::{Collected, kept_nodes};
 use super::cursor::Cursor;
 use super::groups::NumberWidth;
 use super::{PARAMETRIC, Version, declared};
-use base::error::Result;
 use crate::mesh::{MAX_COUNT, TetMesh};
+use base::error::Result;
 
 /// Number of nodes of the element types 1 to 31 of gmsh.
 const NODES: [usize; 31] =

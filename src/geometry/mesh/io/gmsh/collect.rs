@@ -6,8 +6,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::groups::Groups;
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TetMesh};
+use base::error::{Error, Result};
 
 /// Element type of the 4-node tetrahedron in gmsh.
 const LINEAR: u64 = 4;

@@ -5,9 +5,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{Version, find};
-use base::error::{Error, Result};
 use crate::mesh::MAX_COUNT;
 use crate::mesh::io::text::quote;
+use base::error::{Error, Result};
 
 /// Longest line of text between the blocks of bytes.
 const LINE: usize = 4096;

@@ -11,8 +11,8 @@ mod groups;
 use std::path::Path;
 
 use super::{convert, text};
-use base::error::{Error, Result};
 use crate::mesh::TetMesh;
+use base::error::{Error, Result};
 
 /// Version of the format, which determines the order and width of the numbers in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Content, Index};
-use base::error::{Error, Result};
 use crate::mesh::io::text;
+use base::error::{Error, Result};
 
 /// Bytes of the file with the reading position.
 pub(super) struct Bytes<'a> {

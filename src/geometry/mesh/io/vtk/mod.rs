@@ -9,8 +9,8 @@ mod words;
 use std::path::Path;
 
 use super::text;
-use base::error::{Error, Result};
 use crate::mesh::{MAX_COUNT, TetMesh};
+use base::error::{Error, Result};
 use base::number::counted;
 use binary::Bytes;
 use glam::DVec3;

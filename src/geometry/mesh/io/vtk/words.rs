@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Content, Index};
-use base::error::{Error, Result};
 use crate::mesh::io::text::{self, Line, Word};
+use base::error::{Error, Result};
 
 /// Words of the file after its header.
 pub(super) struct Words<'a> {
