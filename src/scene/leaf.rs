@@ -40,7 +40,7 @@ macro_rules! number {
             }
             /// Creates a default without a check; a test checks all defaults.
             #[allow(dead_code)]
-            pub(crate) const fn preset(value: f64) -> Self {
+            pub const fn preset(value: f64) -> Self {
                 Self(value)
             }
         }
@@ -195,7 +195,7 @@ impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
         self.0 as usize
     }
     /// Creates a default without a check; a test checks all defaults.
-    pub(crate) const fn preset(value: u64) -> Self {
+    pub const fn preset(value: u64) -> Self {
         Self(value)
     }
 }

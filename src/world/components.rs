@@ -32,11 +32,11 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Reason why columns are contiguous.
-pub(crate) const TABLES: &str = "components are stored in tables";
+pub const TABLES: &str = "components are stored in tables";
 
 /// Returns the rows of a table that belong to each pad, with the number of its finger: nodes, tetrahedra and contact
 /// edges are spawned pad by pad, in the order of their index, and never removed.
-pub(crate) fn rows_by_pad(finger: &[FingerIndex]) -> impl Iterator<Item = (usize, Range<usize>)> {
+pub fn rows_by_pad(finger: &[FingerIndex]) -> impl Iterator<Item = (usize, Range<usize>)> {
     let mut end = 0;
     finger.chunk_by(|a, b| a.0 == b.0).map(move |rows| {
         let start = end;

@@ -72,6 +72,6 @@ pub(crate) fn is_far(p: DVec3) -> bool {
 }
 
 /// Returns `p` as text for messages, in metres.
-pub(crate) fn show(p: DVec3) -> String {
+pub fn show(p: DVec3) -> String {
     format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
 }

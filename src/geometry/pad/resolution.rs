@@ -62,7 +62,7 @@ impl Resolution {
     ///
     /// # Errors
     /// Fails for ratios or a spacing out of range, no cells, or more cells than the cap.
-    pub(crate) fn cells_for(&self, size: [f64; 3]) -> Result<[usize; 3]> {
+    pub fn cells_for(&self, size: [f64; 3]) -> Result<[usize; 3]> {
         for (name, ratio) in [("grading", self.grading), ("focus", self.focus)] {
             if !(1.0..=MAX_RATIO).contains(&ratio) {
                 let found = shown(ratio);

@@ -46,7 +46,7 @@ pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
 pub use ray::{Hit, trace, trace_convex};
 pub use smooth::{SmoothSurface, SurfaceDefinition};
 pub use solid::Shape;
-pub(crate) use sound::sound;
+pub use sound::sound;
 pub use surface_distance::SurfaceDistance;
 
 /// Closest surface point of a query point `q`.
@@ -108,6 +108,6 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
 }
 
 /// Computes `n n^T`, the projection onto the unit vector `n`.
-pub(crate) fn outer(n: DVec3) -> DMat3 {
+pub fn outer(n: DVec3) -> DMat3 {
     DMat3::from_cols(n * n.x, n * n.y, n * n.z)
 }

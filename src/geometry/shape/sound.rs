@@ -12,7 +12,7 @@ use base::number::counted;
 
 /// Orients triangles and shells of `mesh` and rejects a surface that bounds no solid, with the location of the fault;
 /// with `mend` it is repaired instead. Returns the surface and a notice for each change.
-pub(crate) fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
+pub fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
     let mut turned = mesh.clone();
     match judge(&mut turned) {
         Ok(news) => Ok((turned, news)),

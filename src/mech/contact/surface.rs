@@ -203,7 +203,7 @@ impl SurfaceFace {
 }
 
 /// Lattice triangles of a face whose edges are cut into `m` parts, as integer barycentric coordinates.
-pub(crate) fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
+pub fn sub_triangles(m: usize) -> Vec<[[usize; 3]; 3]> {
     let mut triangles = Vec::new();
     for i in 0..m {
         for j in 0..m - i {

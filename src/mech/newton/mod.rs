@@ -260,7 +260,7 @@ impl Newton {
     }
 
     /// Largest sum of contact force magnitudes on a body, plus that of the forces on the object alone, N.
-    pub(crate) fn activity(&self) -> f64 {
+    pub fn activity(&self) -> f64 {
         self.blocks.iter().map(|b| b.block.rigid.activity).fold(0.0, f64::max) + self.object_block.activity
     }
 

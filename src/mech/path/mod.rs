@@ -34,7 +34,7 @@ pub struct Path {
     /// Counts of how often each method was used.
     pub methods: Methods,
     /// Accepted state before `state`, with its level.
-    pub(crate) history: Option<(State, f64)>,
+    pub history: Option<(State, f64)>,
     /// Size of the next increment.
     pub(crate) step: StepSize,
     /// Proximal springs of the next increment.

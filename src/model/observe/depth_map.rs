@@ -1,5 +1,6 @@
 //! Penetration depth of the object into the undeformed pads, the quantity of purely geometric tactile simulators.
 
+use super::grid::TaxelsOnFace;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;

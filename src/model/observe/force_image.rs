@@ -1,5 +1,6 @@
 //! Contact force of the pads on a grid of taxels, the basis of force and traction images.
 
+use super::grid::TaxelsOnFace;
 use super::{Now, SensedHand};
 use glam::DVec3;
 use scene::Grid;

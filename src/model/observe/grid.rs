@@ -16,19 +16,28 @@ const SAMPLES: f64 = 4.0;
 /// Barycentric coordinate below which a sample is outside of a triangle.
 const OUTSIDE: f64 = -1e-9;
 
-impl Grid {
+/// Taxels of a grid on the sensing face of a pad.
+pub(crate) trait TaxelsOnFace {
     /// Returns the grid of taxel centres on the sensing face of `pad`, m, pad frame.
-    pub(crate) fn over(&self, pad: &PadTopology) -> PlaneGrid {
+    fn over(&self, pad: &PadTopology) -> PlaneGrid;
+    /// Returns, for every node, the taxels that receive its force, with weights. They are non-negative and sum to one,
+    /// so the sum over the image is the resultant. The traction is assumed linear between the nodes of the undeformed
+    /// sensing face, so each taxel receives the force on its part of the face. A node without a sample assigns its
+    /// force to the nearest taxel.
+    fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>>;
+    /// Returns, for every taxel, the point of the sensing face at its centre as a stencil of shape functions; the
+    /// nearest point of the face if the centre is outside.
+    fn samples(&self, finger: &FingerModel) -> Vec<Stencil>;
+}
+
+impl TaxelsOnFace for Grid {
+    fn over(&self, pad: &PadTopology) -> PlaneGrid {
         let face = pad.sensing.iter().flatten().map(|n| pad.rest[*n as usize].truncate());
         let (low, high) = face.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         PlaneGrid { low, size: high - low, cells: [self.rows.get(), self.cols.get()] }
     }
 
-    /// Returns, for every node, the taxels that receive its force, with weights. They are non-negative and sum to one,
-    /// so the sum over the image is the resultant. The traction is assumed linear between the nodes of the undeformed
-    /// sensing face, so each taxel receives the force on its part of the face. A node without a sample assigns its
-    /// force to the nearest taxel.
-    pub(crate) fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
+    fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
         let (grid, cols) = (self.over(pad), self.cols.get());
         let flat = |n: u32| pad.rest[n as usize].truncate();
         let double = |[a, b, c]: &[u32; 3]| (flat(*b) - flat(*a)).perp_dot(flat(*c) - flat(*a)).abs();
@@ -63,9 +72,7 @@ impl Grid {
         shares.into_iter().zip(&pad.rest).map(whole).collect()
     }
 
-    /// Returns, for every taxel, the point of the sensing face at its centre as a stencil of shape functions; the
-    /// nearest point of the face if the centre is outside.
-    pub(crate) fn samples(&self, finger: &FingerModel) -> Vec<Stencil> {
+    fn samples(&self, finger: &FingerModel) -> Vec<Stencil> {
         let (faces, cols) = (finger.sensing_faces(), self.cols.get());
         let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();
         let lookup = FaceLookup::new(&finger.topology.rest, &corners);

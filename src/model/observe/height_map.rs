@@ -1,5 +1,6 @@
 //! Shape of the deformed sensing faces, as a visual-tactile sensor images it.
 
+use super::grid::TaxelsOnFace;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;

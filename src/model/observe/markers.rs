@@ -1,5 +1,6 @@
 //! Markers printed on the sensing faces, as tracked by the camera of a visual-tactile sensor.
 
+use super::grid::TaxelsOnFace;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use mech::potential::term::Stencil;
 use scene::Markers;

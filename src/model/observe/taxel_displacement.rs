@@ -1,5 +1,6 @@
 //! Observation of the displacement of the sensing faces.
 
+use super::grid::TaxelsOnFace;
 use super::{ArraySpec, Now, Sense, SensedHand};
 use mech::potential::term::Stencil;
 use scene::Grid;

@@ -1,14 +1,14 @@
 //! Systems common to all steppers: commands of the gripper, balance of the forces, the frame.
 
-pub(crate) mod apart;
+pub mod apart;
 pub mod audit;
-pub(crate) mod contact_area;
+pub mod contact_area;
 mod control;
-pub(crate) mod inversion;
-pub(crate) mod measure;
+pub mod inversion;
+pub mod measure;
 mod record;
-pub(crate) mod sense;
-pub(crate) mod slip;
+pub mod sense;
+pub mod slip;
 mod tactile;
 
 use crate::schedule::{StepSet, ramping, reached};
