@@ -99,7 +99,7 @@ impl Found {
 
     /// Returns the bounds of the object in the hand frame of the first grasp, m.
     fn held(&self) -> Option<Aabb> {
-        let pose = self.poses.first().map(Pose::object_in_hand)?;
+        let pose = self.poses.first().map(Pose::inverse)?;
         Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
 

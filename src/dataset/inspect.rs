@@ -127,7 +127,7 @@ pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Re
 }
 
 /// Returns at most `most` of `frames` frames, evenly spread, including the last.
-pub(crate) fn chosen(frames: usize, most: Option<usize>) -> Vec<usize> {
+pub fn chosen(frames: usize, most: Option<usize>) -> Vec<usize> {
     let n = most.unwrap_or(frames).min(frames);
     (1..=n).map(|i| i * frames / n - 1).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::draw::{Draw, EpisodeKey, draw};
 use super::identity::identity;
-use super::reward::{Custom, StepInfo};
+use super::reward::{Custom, StepInfo, term};
 use backend::choose;
 use base::error::{Error, Result};
 use geometry::Pose;
@@ -157,7 +157,7 @@ impl EnvShared {
     pub fn pay(&self, info: &StepInfo) -> f64 {
         match &self.custom {
             Some(custom) => custom(info),
-            None => self.task.reward.iter().map(|r| r.term().pay(info)).sum(),
+            None => self.task.reward.iter().map(|r| term(r).pay(info)).sum(),
         }
     }
 }
@@ -210,7 +210,7 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
     scene.loading =
         Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
     let mut fields = vec![Field::ContactForce];
-    fields.extend(task.reward.iter().any(|r| r.term().needs_stress()).then_some(Field::Stress));
+    fields.extend(task.reward.iter().any(|r| term(r).needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false, tactile: Vec::new() };
     Ok(scene)
 }

@@ -196,12 +196,7 @@ impl GraspArrays {
 }
 
 /// Adds an array to an archive.
-pub(crate) fn put<T, D, S>(
-    npz: &mut NpzWriter<BufWriter<std::fs::File>>,
-    name: &str,
-    shape: S,
-    data: &[T],
-) -> io::Result<()>
+pub fn put<T, D, S>(npz: &mut NpzWriter<BufWriter<std::fs::File>>, name: &str, shape: S, data: &[T]) -> io::Result<()>
 where
     T: WritableElement,
     D: Dimension,
@@ -212,7 +207,7 @@ where
 }
 
 /// Returns the innermost I/O error, so that its kind ("disk full") survives two layers of wrapping.
-pub(crate) fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
+pub fn io_error(error: ndarray_npy::WriteNpzError) -> io::Error {
     let mut source: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(inner) = source {
         if let Some(io) = inner.downcast_ref::<io::Error>() {

@@ -46,14 +46,12 @@ pub trait RewardTerm {
     }
 }
 
-impl Reward {
-    /// Returns the term as a trait object.
-    pub fn term(&self) -> &dyn RewardTerm {
-        match self {
-            Reward::Hold(term) => term,
-            Reward::Slip(term) => term,
-            Reward::Stress(term) => term,
-            Reward::Economy(term) => term,
-        }
+/// Returns the term as a trait object.
+pub fn term(reward: &Reward) -> &dyn RewardTerm {
+    match reward {
+        Reward::Hold(term) => term,
+        Reward::Slip(term) => term,
+        Reward::Stress(term) => term,
+        Reward::Economy(term) => term,
     }
 }
