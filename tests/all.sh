@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything a change must pass: format, lints, documentation, tests. Needs the Rust toolchain and a C compiler. The last lines say what was
-# skipped and why, and how many tests passed.
+# Checks that every change must pass: format, lints, documentation, tests. Needs the Rust toolchain and a C compiler.
+# The last lines list what was skipped, with the reason, and count the tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --check

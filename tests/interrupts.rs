@@ -1,4 +1,4 @@
-//! A signal ends a command with what is finished kept; the stop flag ends work inside the process.
+//! A signal ends a command and keeps its finished results; the interrupt flag ends work inside the process.
 #![cfg(unix)]
 
 use std::path::Path;
@@ -13,7 +13,7 @@ use tactus::model::grasp::poses_of;
 use tactus::scene::{load, load_set};
 use tactus::world::run::run_grasps;
 
-/// Each grasp takes a part of a second, all of them minutes.
+/// A scene whose grasps take less than a second each and minutes in total.
 const LONG: &str = r#"Scene(
     object: (shape: Sphere(radius: 0.02)),
     grasps: Antipodal(count: 400, seed: 1),
@@ -22,7 +22,7 @@ const LONG: &str = r#"Scene(
     stepper: Fem(element: Linear),
 )"#;
 
-/// Nothing here takes a tenth of it.
+/// Time limit of every wait, more than ten times what any of them takes.
 const LIMIT: Duration = Duration::from_secs(120);
 
 fn scene(dir: &Path, text: &str) -> std::path::PathBuf {
@@ -31,7 +31,7 @@ fn scene(dir: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
-/// Starts a command as a shell without job control starts it in the background: with SIGINT ignored.
+/// Starts a command with SIGINT ignored, as a shell without job control does in the background.
 fn start(args: &[&str]) -> Child {
     let mut command = Command::new("sh");
     command.args(["-c", "trap '' INT; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_tactus")]).args(args);

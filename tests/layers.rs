@@ -1,9 +1,10 @@
-//! The plan of the house: a folder imports only what stands before it in this list. So no circle crosses a folder.
+//! Order of the modules: a file or folder imports only from those before it in the list, so no import cycle spans two
+//! of them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Files and folders of `src`, from the ground up.
+/// Files and folders of `src`, lowest layer first.
 const LAYERS: [&str; 38] = [
     "error",
     "number",
@@ -45,10 +46,10 @@ const LAYERS: [&str; 38] = [
     "main",
 ];
 
-/// Folders of `src/mech`, of the mechanics alone.
+/// Folders of `src/mech`, lowest layer first.
 const MECH: [&str; 7] = ["material", "element", "body", "potential", "contact", "newton", "path"];
 
-/// Folders of `src/net`.
+/// Folders of `src/net`, lowest layer first.
 const NET: [&str; 6] = ["autodiff", "features", "network", "infer", "train", "eval"];
 
 fn sources(dir: &Path) -> Vec<PathBuf> {
@@ -58,7 +59,7 @@ fn sources(dir: &Path) -> Vec<PathBuf> {
     nested.filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
 }
 
-/// What a file imports from the crate, with the line: the names behind `prefix`, those of a list in braces among them.
+/// Names that follow `prefix` in a file, including those of a list in braces, each with its line number.
 fn imports(text: &str, prefix: &str) -> Vec<(String, usize)> {
     let code: Vec<_> = text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
     let mut found: Vec<(String, usize)> = Vec::new();
@@ -85,7 +86,7 @@ fn imports(text: &str, prefix: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// Imports that go up in `order`, as `file:line: ...`; files of folders that are not in it are named, too.
+/// Imports from a higher layer of `order`, as `file:line: ...`, and files whose layer is missing from `order`.
 fn violations(root: &Path, prefix: &str, order: &[&str]) -> Vec<String> {
     let rank: BTreeMap<_, _> = order.iter().zip(0..).collect();
     let mut wrong = Vec::new();
@@ -100,7 +101,7 @@ fn violations(root: &Path, prefix: &str, order: &[&str]) -> Vec<String> {
             wrong.push(format!("{}: `{own}` has no place in the list of layers", path.display()));
             continue;
         };
-        // From a file that lies so deep, as many `super::` lead to the layers.
+        // Number of `super::` that lead from this file to the level of the layers.
         let depth = inside.iter().count() - usize::from(inside.ends_with("mod.rs"));
         let up = imports(&text, &"super::".repeat(depth)).into_iter().filter(|(name, _)| name != "super");
         for (name, line) in imports(&text, prefix).into_iter().chain(up) {
@@ -141,7 +142,7 @@ fn an_import_that_goes_up_is_named_with_its_line() {
     assert!(says("mod.rs:2: `scene` imports `world`") && says("mod.rs:6: `scene` imports `cli`"), "{wrong:?}");
 }
 
-/// Names of the types that a file defines outside its tests, with a visibility.
+/// Names of the types that a file defines with a `pub` visibility, outside its tests.
 fn public_types(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap_or_default();
     let name = |line: &str| {
@@ -150,13 +151,13 @@ fn public_types(text: &str) -> Vec<String> {
         let (kind, rest) = rest.trim_start().split_once(' ')?;
         let defines = ["struct", "enum", "trait", "type", "union"].contains(&kind);
         let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        // A macro fills in the others.
+        // An empty name is a macro variable.
         (defines && !name.is_empty()).then_some(name)
     };
     code.lines().filter_map(name).collect()
 }
 
-/// A name has one meaning: it is understood without the path of its module.
+/// A type name is unambiguous without its module path.
 #[test]
 fn no_public_type_name_is_defined_twice() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");

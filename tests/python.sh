@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Python tests against the wheel, in an environment of their own in target/python, and what the wheel does without the repository in a
-# bare one; says why where they cannot run.
+# Runs the Python tests against the wheel in the virtual environment target/python, and a test without the repository in
+# target/bare. Prints the reason where they cannot run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 skip() {
@@ -21,13 +21,13 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || skip "python3 i
     echo "Playwright, for the viewer in a browser, cannot be fetched"
 cargo fetch -q --locked || skip "the crates of its bindings cannot be fetched"
 rm -rf "$wheels" "$bare"
-# The crate and its dependencies are built already. One wheel is for all CPython from 3.10 on.
+# Reuses the compiled crate and dependencies. One wheel (stable ABI) serves all CPython versions from 3.10.
 VIRTUAL_ENV=$environment \
     "$environment/bin/maturin" build --release --quiet --strip --manifest-path python/Cargo.toml --out "$wheels" > /dev/null
 wheel=$(echo "$wheels"/tactus-*-cp310-abi3-*.whl)
 [ -f "$wheel" ] || { echo "no wheel for the stable ABI of CPython 3.10 in $wheels" && exit 1; }
 "$environment/bin/pip" "${install[@]}" --force-reinstall --no-deps "$wheel"
-# Nothing but the wheel and what it requires, in an empty folder.
+# An environment with only the wheel and its requirements, used from an empty folder.
 python3 -m venv "$bare"
 "$bare/bin/pip" "${install[@]}" "$wheel"
 empty=$(mktemp -d)

@@ -1,5 +1,5 @@
-# Sums up what `cargo test` and `pytest -rs` print: each reason for which something was skipped, and in the last line the tests that passed,
-# failed, or skipped something, be it a part of them.
+# Summarises the output of `cargo test` and `pytest -rs`: each reason for skipping with its count, and in the last line
+# the numbers of tests that passed, failed, or skipped at least a part of themselves.
 function skip(reason, count) {
     if (!(reason in counts)) reasons[++kinds] = reason
     counts[reason] += count
@@ -7,7 +7,7 @@ function skip(reason, count) {
 
 /^test result: / { passed += $4; failed += $6; if ($8) { skip("marked as ignored", $8); skipped += $8 }; next }
 
-# A test of Rust, which its harness takes for passed.
+# A Rust test that skips at least a part of itself; the test harness counts it as passed.
 match($0, /skipped: [^ ]+: /) {
     test = substr($0, RSTART + 9, RLENGTH - 11)
     reason = substr($0, RSTART + RLENGTH)
@@ -22,7 +22,7 @@ match($0, /skipped: [^ ]+: /) {
     skipped += count
 }
 
-# The line in which pytest counts.
+# The summary line of pytest.
 /^=* ?[0-9]+ (passed|failed|skipped|errors?|deselected|warnings?).* in [0-9.]+s/ {
     for (i = 2; i <= NF; i++) {
         if ($i ~ /^passed/) passed += $(i - 1)

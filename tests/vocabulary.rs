@@ -1,5 +1,5 @@
-//! One vocabulary in all files: the names that `docs/data-format.md` lists are those of `arrays.npz`, `meshes.npz`, `.vtu`, `frames.csv` and
-//! data sets, each with its unit.
+//! Array names and units are those that `docs/data-format.md` lists, in `arrays.npz`, `meshes.npz`, `.vtu`,
+//! `frames.csv` and data sets.
 
 use ndarray::Array2;
 use ndarray_npy::NpzReader;
@@ -10,7 +10,8 @@ use std::process::Command;
 use tactus::dataset::arrays::ARRAYS;
 use tactus::record::names;
 
-/// A row of the table of arrays: unit, and shape in `arrays.npz`, data sets and `tactus.run`; empty where it is not.
+/// Row of the table of arrays: unit, and shape in `arrays.npz`, data sets and `tactus.run` (empty where the array does
+/// not occur).
 struct Row {
     unit: String,
     places: [String; 3],
@@ -134,7 +135,7 @@ fn rest_and_displacement_meet_in_the_hand() {
     let (position, displacement): (ndarray::Array3<f64>, ndarray::Array3<f64>) =
         (npz.by_name("position_m").unwrap(), npz.by_name("displacement_m").unwrap());
     let pad: ndarray::Array1<u32> = npz.by_name("pad_of_node").unwrap();
-    // Carried along x, the closing direction, by one travel per pad.
+    // Rigid displacement of each pad: a translation along x, the closing direction, equal for all its nodes to 1e-12 m.
     let mut carried = [None; 2];
     for (i, pad) in pad.iter().enumerate() {
         let p = pose.row(*pad as usize);
@@ -160,7 +161,7 @@ fn a_fixed_object_is_written_once() {
     assert_eq!(objects("motion: Fixed"), (1, 2), "one file, in both frames of the collection");
 }
 
-/// Rows of the table of tactile arrays: name, unit, and shape without frames and pads.
+/// Rows of the table of tactile arrays: name, then unit and shape.
 fn tactile() -> BTreeMap<String, (String, String)> {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/data-format.md")).unwrap();
     let table = text.split("\n## Tactile arrays").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();

@@ -1,4 +1,4 @@
-//! `tactus bench` as a user meets it: what it writes and what it refuses. Claims are about structure, never about time.
+//! `tactus bench` on the command line: output and refusals. The tests check the structure of the output and no times.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ fn tactus(arguments: &[&str]) -> Output {
     command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
 }
 
-/// A press into a coarse pad.
+/// Writes the scene of a press into a coarse pad.
 fn press(dir: &Path, loading: &str) -> PathBuf {
     let path = dir.join("press.ron");
     let text = format!(
@@ -61,7 +61,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     );
     let ladder = &report["ladder"];
     let roles: Vec<_> = ladder["members"].as_array().unwrap().iter().map(|m| m["role"].as_str().unwrap()).collect();
-    // Without friction no path matters.
+    // Without friction the result is independent of the path, so there is no member for the path error.
     assert_eq!(roles, ["rung", "rung", "rung", "reference", "other"]);
     for name in ["displacement", "stress", "force"] {
         for (i, row) in ladder["distances"][name].as_array().unwrap().iter().enumerate() {
@@ -77,7 +77,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     assert_eq!(reference, error(estimate, "error"));
     let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
     assert!(own.is_some_and(|own| reference > 0.0 && reference <= (1.0 + 1e-12) * own), "{reference} against {own:?}");
-    // Condensed pads alone claim to be faster at their error; they may turn out not to be.
+    // Only condensed pads are compared for speed at equal error; the ratio may be below 1.
     let claims: Vec<&Value> = points.iter().filter(|p| p["contender"] == true).collect();
     assert!(!claims.is_empty() && claims.iter().all(|p| p["label"].as_str().unwrap().contains("condensed")));
     let best = claims.iter().filter_map(|p| p["speedup_at_equal_error"]["ratio"].as_f64()).reduce(f64::max);
@@ -92,7 +92,8 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     assert!(svg.contains("<svg") && svg.contains("quadratic 4x4x2") && svg.contains("Pareto"));
 }
 
-/// The error that a bench prints of its reference against a mesh twice as fine.
+/// The estimated displacement error of the finest of three mesh levels is within a factor of two of its distance to a
+/// mesh of half the spacing.
 #[test]
 fn the_estimated_error_of_the_reference_is_within_a_factor_of_two() {
     let dir = tempfile::tempdir().unwrap();

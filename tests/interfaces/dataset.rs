@@ -1,4 +1,4 @@
-//! Data sets: what is read is what was simulated, damage is named, and others can read them.
+//! Data sets: a reader gets what was simulated, damage is reported, and other HDF5 readers can read them.
 
 use crate::dataset_tiny::Tiny;
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
     let set = tiny.set("out");
     assert!(set.damaged.is_empty());
     for object in &set.objects {
-        // From nothing but the text in the file.
+        // Rebuilds the model from the text in the file alone.
         let path = tiny.out("again.ron");
         std::fs::write(&path, &object.scene).unwrap();
         let scene = load(&path).unwrap().scene;
@@ -82,7 +82,8 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
     assert!(all.train.is_empty() && all.test.len() == 2, "several names: {all:?}");
 }
 
-/// The arrays of the public loader: bonded nodes of both pads stand at its rest shapes, carried along its closing axis.
+/// In the arrays for the public loader, the bonded nodes of both pads are those of its undeformed pads, translated
+/// along its closing axis, to 2e-7 m.
 fn loader_world(object: &ObjectFile) {
     let dir = object.path.parent().unwrap().parent().unwrap();
     let tet = std::fs::read_to_string(dir.join("tactile_sensor.tet")).unwrap();
@@ -123,12 +124,12 @@ fn promises_of_the_scene_are_judged_on_every_grasp_and_the_worst_is_kept() {
     for (object, grasps) in manifest.objects.iter().zip([vec![0, 1, 2], vec![0, 2]]) {
         let [inversion, travel] = object.promises.as_slice() else { panic!("{:?}", object.promises) };
         assert!(inversion.worst.held && inversion.broken_by.is_empty(), "{inversion:?}");
-        // The grasp that misses has no frames: it is a failure, and breaks nothing else.
+        // The grasp that misses has no frames, so it violates no other expectation.
         assert_eq!(travel.broken_by, grasps);
         assert_eq!((travel.worst.held, &*travel.worst.unit), (false, "m"));
         let set = DataSet::open(&out).unwrap();
         let file = set.objects.iter().find(|f| f.name == object.name).unwrap();
-        // Of both fingers at the last frame.
+        // Travel of both fingers at the last frame.
         let most = grasps.iter().flat_map(|g| file.grasp(*g).unwrap().travel[2..4].to_vec()).fold(0.0, f64::max);
         assert!((travel.worst.value.unwrap() / most - 1.0).abs() < 1e-12, "{:?} m, {most} m", travel.worst.value);
     }
@@ -140,7 +141,7 @@ fn damage_is_named_and_the_rest_stays_usable() {
     let set = tiny.set("out");
     let [ball, brick] = [&set.objects[0].path, &set.objects[1].path];
     let mut bytes = std::fs::read(ball).unwrap();
-    // A bit in the middle of the displacements, found by their own bytes.
+    // Flips a bit within the displacements, which are located by their bytes.
     let whole = set.objects[0].grasp(1).unwrap();
     let needle: Vec<u8> = whole.displacement[300..310].iter().flat_map(|x| x.to_le_bytes()).collect();
     let at = bytes.windows(needle.len()).position(|w| w == needle).unwrap();
@@ -160,7 +161,7 @@ fn damage_is_named_and_the_rest_stays_usable() {
     assert_eq!(out.status.code(), Some(1));
     let json: Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!(json["inspection"]["damaged"].as_array().unwrap().len(), 2);
-    // Whatever byte is cut or changed at the start: an error, never a panic.
+    // Within the first 4096 bytes, a changed byte never causes a panic, and a cut gives an error.
     for at in (0..4096.min(cut.len())).step_by(7) {
         let mut changed = cut.clone();
         changed[at] ^= 0x55;
@@ -240,7 +241,7 @@ print("ok")
     }
 }
 
-/// A data set says how well posed its grasps are in a table beside it, which a second run goes on with.
+/// The sensitivities of the grasps are written to a table in the folder of the data set; a second run adds rows to it.
 #[test]
 fn a_table_says_how_well_posed_the_grasps_are() {
     let tiny = Tiny::new("Linear");
@@ -265,7 +266,7 @@ fn a_table_says_how_well_posed_the_grasps_are() {
     let (both, _) = table("2");
     assert_eq!(both.len(), 16);
     assert!(first.iter().all(|row| both.contains(row)));
-    // A hand that misses says so with every change.
+    // A grasp that misses has a row without a value for every change.
     let missed = both.iter().filter(|row| row["object"] == "box" && row["grasp"] == 1);
     assert!(missed.clone().count() == 4 && missed.clone().all(|row| row["displacement"].is_null()));
     assert!(DataSet::open(&out).unwrap().damaged.is_empty());

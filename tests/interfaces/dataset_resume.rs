@@ -1,4 +1,5 @@
-//! Data sets: nothing is lost, nothing is done twice, the bytes are the same. `TACTUS_ALL_KILLS=1` kills thirty times.
+//! An interrupted data set resumes without loss or repetition, and ends with the same bytes. `TACTUS_ALL_KILLS=1` kills
+//! thirty times.
 
 use crate::dataset_tiny::{TINY, Tiny};
 use std::collections::BTreeMap;
@@ -7,7 +8,7 @@ use std::process::Stdio;
 use std::time::{Duration, Instant, SystemTime};
 use tactus::base::random::Random;
 
-/// Every file below `dir` with its bytes.
+/// Paths of all files below `dir`, with their bytes.
 fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(dir).unwrap().map(|e| e.unwrap().path()) {
@@ -20,12 +21,12 @@ fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     all
 }
 
-/// The same with paths from `dir`.
+/// As [`files`], with paths relative to `dir`.
 fn content(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files(dir).into_iter().map(|(p, b)| (p.strip_prefix(dir).unwrap().into(), b)).collect()
 }
 
-/// Records of finished grasps with the time when they were written.
+/// Records of finished grasps, with their modification times.
 fn records(out: &Path) -> BTreeMap<PathBuf, SystemTime> {
     let progress = out.join(".progress");
     let Ok(objects) = std::fs::read_dir(&progress) else { return BTreeMap::new() };
@@ -50,12 +51,12 @@ fn killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes() {
             kept += before.len();
             let mut child = tiny.command(&out).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             std::thread::sleep(Duration::from_secs_f64(whole_run.as_secs_f64() * 0.6 * random.unit()));
-            // SIGKILL: no chance to tidy up.
+            // SIGKILL, so the process cannot clean up.
             let ended = child.try_wait().unwrap().is_some();
             child.kill().unwrap();
             child.wait().unwrap();
             let after = records(&out);
-            // Records go, one by one, once the manifest says that all is there.
+            // Records are deleted one by one after the manifest is marked as finished.
             if ended
                 || std::fs::read_to_string(out.join("manifest.json")).is_ok_and(|m| m.contains("\"finished\": true"))
             {
@@ -99,7 +100,7 @@ fn threads_do_not_change_bytes_and_the_size_is_announced() {
     assert!(String::from_utf8_lossy(&other.stderr).contains("holds another data set"));
 }
 
-/// Parts that run beside each other, one of them killed and started again, and a last run that closes the data set.
+/// Parts run concurrently, one of them is killed and restarted, and a last run finishes the data set.
 #[test]
 fn parts_end_with_the_same_bytes_and_no_grasp_is_made_twice() {
     let tiny = Tiny::new("Linear");

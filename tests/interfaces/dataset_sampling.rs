@@ -1,4 +1,5 @@
-//! Data sets of a finer mesh at the nodes of the scene's pads, and of chosen grasps.
+//! Data sets that are computed on a finer mesh and stored at the nodes of the scene's pads, and data sets of selected
+//! grasps.
 
 use tactus::backend::choose;
 use tactus::dataset::{Campaign, DataSet, Selection};

@@ -1,4 +1,4 @@
-//! Data sets of drawn objects: each has pads, friction, gel and loads of its own, and says so.
+//! Data sets of drawn objects: each object has its own pads, friction, gel and loads, which its file stores.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,5 +1,5 @@
-//! Environments of a network that hands grasps over: each episode is computed by whichever was chosen for its grasp, in worlds that others have
-//! used before.
+//! Environments of a network that falls back to finite elements: each episode runs on the backend chosen for its grasp,
+//! in a reused world.
 
 use crate::env_made::{actions, batch, bits, config, fem};
 use crate::gnn_made::made;
@@ -9,7 +9,7 @@ use tactus::scene::leaf::Positive;
 use tactus::scene::{Gnn, NamedScene, StepperChoice};
 use tactus::world::Environment;
 
-/// The small task on the network, which hands over what may be off by more than `at_most`.
+/// The small task on the network, with a fallback to finite elements above a predicted error of `at_most`.
 fn guarded(at_most: Option<f64>) -> Vec<NamedScene> {
     let error_at_most = at_most.map(|most| Positive::new(most).unwrap());
     let stepper = StepperChoice::Gnn(Gnn { error_at_most, ..Gnn::new(&made().sure) });
@@ -18,7 +18,7 @@ fn guarded(at_most: Option<f64>) -> Vec<NamedScene> {
     set
 }
 
-/// The bound that half of the first episodes of the task exceed.
+/// Median predicted error of the first eight episodes.
 fn half() -> f64 {
     let network = NetworkStepper::open(&made().sure).unwrap();
     let mut env = batch(&guarded(None), config(1));
@@ -42,7 +42,7 @@ fn handed_over(env: &mut BatchEnv) -> bool {
 fn worlds_are_used_again_whichever_backend_was_chosen() {
     let set = guarded(Some(half()));
     let one = BatchConfig { autoreset: Autoreset::Disabled, ..config(1) };
-    // A hundred resets, of which every tenth is also stepped.
+    // 50 resets in each order; each tenth episode takes a step, too.
     let play = |order: &mut dyn Iterator<Item = u64>| {
         let mut env = batch(&set, one.clone());
         let mut all: Vec<_> = order

@@ -1,4 +1,5 @@
-//! The task of a scene: its mistakes are reported in place, its rewards pay what they say, its grip holds what friction holds.
+//! The task of a scene: errors are reported with their place, rewards have their documented values, and a grasp holds
+//! the Coulomb limit.
 
 use crate::env_made::{batch, changed, config, fem};
 use tactus::env::StepInfo;
@@ -49,7 +50,7 @@ fn a_reward_of_the_users_own_replaces_that_of_the_scene() {
 
 #[test]
 fn friction_holds_what_coulomb_says_and_no_more() {
-    // Two pads with friction 0.8, each pressed with 1 N, hold 1.6 N: 163 g.
+    // Two pads with friction 0.8 and a normal force of 1 N each hold up to 1.6 N, the weight of 163 g.
     let outcome = |grams: f64| {
         let density = grams * 1e-3 / (4.0 / 3.0 * std::f64::consts::PI * 0.02_f64.powi(3));
         let ball = r#"objects: [(name: "ball", object: (shape: Sphere(radius: 0.02)), grasps: List([(position: (0, 0, -0.1))]))],"#;
@@ -82,6 +83,6 @@ fn friction_holds_what_coulomb_says_and_no_more() {
     assert!(held && margins.len() == 5, "1.28 N of 1.6 N: {margins:?}");
     let (held, _, fault) = outcome(190.0);
     assert!(!held, "1.86 N of 1.6 N slips out");
-    // Nobody waits to see where it ends.
+    // The solve stops as dropped when the object moves beyond its limit.
     assert_eq!(fault, None, "an object that slips out of the hand is no fault of the solver");
 }

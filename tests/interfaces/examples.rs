@@ -1,4 +1,4 @@
-//! The examples and the tutorial run as they are printed.
+//! The examples and the commands of the tutorial run.
 
 use crate::dataset_tiny::Tiny;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Runs a program of `examples/`, which stands beside the command line.
+/// Runs a program of `examples/`, which is built into a folder next to the binary `tactus`.
 fn example(name: &str, arguments: &[&str]) -> String {
     let program: PathBuf = Path::new(env!("CARGO_BIN_EXE_tactus")).with_file_name("examples").join(name);
     let ran = Command::new(&program).args(arguments).current_dir(root()).output();
@@ -51,7 +51,7 @@ fn the_network_that_ships_is_asked() {
     assert_eq!(example("predict", &[]).matches("N per finger: travel").count(), 4);
 }
 
-/// Every command of the tutorial, in order, in a folder with the repository's scenes and models.
+/// Runs every command of the tutorial in order, in a folder with links to the repository's scenes and models.
 #[test]
 #[cfg(unix)]
 fn the_tutorial_runs() {

@@ -1,5 +1,5 @@
-//! `tactus fit`: constants that are known are found again, the curve of the real sensor is explained as far as it can be, and tables that
-//! are none are refused in words.
+//! `tactus fit`: known constants are recovered, the measured curve of a sensor is fitted, and invalid tables are
+//! refused with a message.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use tactus::model::grasp::poses_of;
 use tactus::scene::{Scene, from_ron};
 use tactus::world::run::run_grasps;
 
-/// What a scene is made with.
+/// Constants from which a table or scene is made: SI units; `zero` is the depth offset of the table, m.
 #[derive(Clone, Copy)]
 struct Made {
     young: f64,
@@ -25,7 +25,7 @@ const START: Made = Made { young: 3e5, poisson: 0.45, friction: 0.2, zero: 0.0 }
 /// Depths of the tables, m.
 const DEPTHS: [f64; 6] = [0.3e-3, 0.6e-3, 0.9e-3, 1.2e-3, 1.5e-3, 1.8e-3];
 
-/// A press into a coarse pad at depths that are read from a table whose zero is `zero` too low.
+/// Scene of a press into a coarse pad, whose depths exceed those of the table by `zero`.
 fn text(made: Made) -> String {
     let Made { young, poisson, friction, zero } = made;
     let depths: Vec<String> = DEPTHS.iter().map(|d| format!("{:e}", d + zero)).collect();
@@ -42,7 +42,7 @@ fn scene(made: Made) -> Scene {
     from_ron(&text(made)).expect("scene")
 }
 
-/// The table that such a press gives.
+/// Table of such a press: [`DEPTHS`] and the simulated forces.
 fn curve(made: Made) -> Curve {
     let scene = scene(made);
     let model = Model::build(&scene).expect("model");
@@ -64,15 +64,15 @@ fn of<'a>(report: &'a FitReport, free: &[Parameter]) -> &'a Fit {
     report.fits.iter().find(is).expect("every parameter, pair and all")
 }
 
-/// Asserts a fitted value within `allowed` of the true one (SI), and the true one within the interval.
+/// Asserts that a fitted value is within `allowed` of the true one (SI units).
 #[track_caller]
 fn near(fit: &Fit, parameter: Parameter, truth: f64, allowed: f64) {
     let found = fit.free.iter().find(|e| e.parameter == parameter).expect("free");
     assert!((found.value - truth).abs() < allowed, "{parameter:?}: {} instead of {truth}", found.value);
 }
 
-/// Modulus and zero of a simulated curve: the pair alone to 1 % and 1 um; with all four free, inside the intervals, which are wide, as
-/// friction hardly matters here.
+/// A fit of modulus and depth zero alone recovers those of a simulated curve to 1 % and 1 um. With all four constants
+/// free the true values are within the intervals, which are wide because the curve is insensitive to friction.
 #[test]
 fn constants_of_a_simulated_curve_are_found_again() {
     let made = Made { young: 3.6e5, zero: 30e-6, ..START };
@@ -96,7 +96,8 @@ fn constants_of_a_simulated_curve_are_found_again() {
     }
 }
 
-/// A table that differs from the scene in one constant: that one explains it, to the noise of the solver (0.1 %).
+/// If a table differs from the scene in one constant, that constant explains the difference to 0.1 %, the error of the
+/// solver.
 #[test]
 fn the_constant_that_differs_is_named() {
     let report = fitted(Made { young: 3.4e5, ..START });
@@ -118,7 +119,7 @@ fn a_scene_that_meets_its_table_has_nothing_to_explain() {
     let report = fit(&scene(START), &curve, &Ranges::default(), 2, |_| ()).expect("fit");
     assert_eq!(report.explains, None);
     assert!(report.text().contains("there is nothing to explain"));
-    // Two points: no fit of all four, and no interval for a pair.
+    // Two points allow no fit of all four constants and no interval of a pair.
     assert_eq!(report.fits.len(), 10);
     assert!(report.fits.iter().filter(|f| f.free.len() == 2 && f.freedom == 0).all(|f| f.free[0].interval.is_none()));
 }
@@ -134,7 +135,7 @@ fn file(dir: &Path, name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// Runs the command on the coarse press; stderr of what must be refused with code 2.
+/// Runs the command on the coarse press, asserts exit code 2, and returns stderr.
 fn refused(dir: &Path, table: &str, more: &[&str]) -> String {
     let (scene, table) = (file(dir, "press.ron", &text(START)), file(dir, "curve.csv", table));
     let arguments = ["fit", scene.to_str().unwrap(), "--curve", table.to_str().unwrap()];
@@ -190,8 +191,9 @@ fn scenes_and_ranges_that_cannot_be_fitted_are_refused_in_words() {
     assert!(String::from_utf8_lossy(&out.stderr).contains("a fit needs a press"));
 }
 
-/// The press of the real GelSight Mini on a coarse, condensed mesh (3.5 mm), with the files that the command writes. The zero of depth explains most
-/// of the miss; with the zero and the friction free all four depths are met within 5 %.
+/// The press of the real GelSight Mini on a coarse, condensed mesh (3.5 mm), and the files of the command. The depth
+/// zero explains more than 85 % of the deviation; with depth zero and friction free, all four forces are met within 5
+/// %.
 #[test]
 fn the_curve_of_the_real_sensor_is_met_within_5_percent_by_zero_and_friction() {
     let dir = tempfile::tempdir().unwrap();
@@ -229,7 +231,8 @@ fn the_curve_of_the_real_sensor_is_met_within_5_percent_by_zero_and_friction() {
     assert!(largest(&pair) < 0.05, "{}", largest(&pair));
     let [friction, zero] = [0, 1].map(|k| fit(&pair)["free"][k]["value"].as_f64().unwrap());
     assert!(friction < 0.1 && (20e-6..70e-6).contains(&zero), "friction {friction}, zero {zero} m");
-    // Four points and four unknowns, of which two are at an edge.
+    // Four points and four unknowns: each unknown at an edge of its range adds a degree of freedom, and has no
+    // interval.
     let all = fit(&["young", "poisson", "friction", "depth_zero"]);
     let edges = all["free"].as_array().unwrap().iter().filter(|e| e["at_edge"] == true);
     assert!(edges.clone().all(|e| e["interval"].is_null()));

@@ -1,10 +1,12 @@
-//! Damage is never believed: a file that is not as it was written is refused by name, made anew, or gives the same answer.
+//! Damage is detected: a file that differs from what was written is refused by name, recomputed, or gives the same
+//! result.
 //!
 //! ```text
 //! TACTUS_MUTATIONS=5000 cargo test --release --test interfaces integrity:: -- --nocapture
 //! ```
 //!
-//! changes data sets, models, checkpoints and kept responses five thousand times; without the variable, 120 times.
+//! damages files of data sets, models, checkpoints and cached responses five thousand times; without the variable, 120
+//! times.
 
 use crate::dataset_tiny::{TINY, Tiny};
 use crate::gnn_made::{SPEC, ball, command, made, ron, set};
@@ -62,7 +64,7 @@ fn files(dir: &Path) -> Vec<PathBuf> {
     all
 }
 
-/// A scene that the network that ships was trained for, but for `spacing` (m).
+/// A scene within the training range of the shipped network, except for `spacing` (m).
 fn ball_scene(spacing: &str, stepper: &str) -> String {
     format!(
         "Scene(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(shape: Flat, spacing: {spacing}), \
@@ -70,7 +72,7 @@ fn ball_scene(spacing: &str, stepper: &str) -> String {
     )
 }
 
-/// What a report says of the grasps, without times.
+/// Grasps of a printed report, without their times.
 fn grasps(output: &Output) -> Value {
     let mut report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", errors(output)));
     for grasp in report["grasps"].as_array_mut().unwrap() {
@@ -101,7 +103,7 @@ fn a_network_compares_the_pads_before_it_solves_for_them_and_names_both() {
         let refused = tactus(folder, &cache, &["run", "hand.ron", "--backend", "gnn", "--model", model]);
         let text = errors(&refused);
         assert!(matches!(refused.status.code(), Some(1 | 2)) && !text.contains("panicked"), "{scene}: {text}");
-        // What the scene itself forbids is said before.
+        // The scene itself may be refused before the network is.
         assert!(text.contains(why) || text.contains("finger"), "{scene}: {text}");
     }
 }
@@ -124,14 +126,14 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     assert_eq!(run(&cache, &["a.ron", "--backend", "gnn"]), expected);
     assert_eq!(run(&cache, &["a.ron", "--backend", "gnn", "--model", "universe", "--threads", "2"]), expected);
     assert_eq!(run(&cache, &["b.ron", "--threads", "1"]), expected, "a name in a scene");
-    // A response with a block of zeros is made anew.
+    // A cached response with a block of zeros is recomputed.
     let whole = std::fs::read(&kept[0]).unwrap();
     let mut zeroed = whole.clone();
     zeroed[whole.len() / 2..][..4096].fill(0);
     std::fs::write(&kept[0], &zeroed).unwrap();
     assert_eq!(run(&cache, &["b.ron"]), expected, "a damaged response was believed");
     assert!(std::fs::read(&kept[0]).unwrap() == whole, "not made anew");
-    // A folder that nobody can write to.
+    // A cache folder that cannot be written.
     std::fs::write(folder.join("file"), "").unwrap();
     assert_eq!(run(&folder.join("file"), &["b.ron"]), expected);
     let missing = tactus(folder, &cache, &["run", "a.ron", "--backend", "gnn", "--model", "nowhere"]);
@@ -160,7 +162,7 @@ fn kept_responses_are_bounded_and_shared_by_those_that_make_them_at_once() {
         }
     });
     assert_eq!(files(dir.path()), [cache.path(&key(finger))], "no other file stays");
-    // Two strangers that nearly fill the folder, the second used later; they have no content and take no room on disk.
+    // Two other files (sparse, so without disk usage) that fill the cache; the older one is evicted.
     let large = |name: &str, age: u64| {
         let file = std::fs::File::create(dir.path().join(name)).unwrap();
         file.set_len(MOST / 2).unwrap();
@@ -197,7 +199,7 @@ fn a_card_with_impossible_numbers_is_refused_with_the_field() {
         (format!("force: {}", field("force")), "force: (0.0, 1e308)", "range.force"),
         (format!("friction: {}", field("friction")), "friction: (0.9, 0.1)", "range.friction"),
         ("weight: 0.0".into(), "weight: NaN", "range.weight"),
-        // Possible, but not what was trained.
+        // A valid range that differs from that of the training.
         (format!("friction: {}", field("friction")), "friction: (0.0, 1.0)", "changed or damaged"),
     ] {
         assert!(card.contains(&from), "no {from} in the card");
@@ -233,7 +235,7 @@ fn two_commands_never_fill_one_folder() {
     let done = run();
     assert_eq!(done.status.code(), Some(0), "{}", errors(&done));
     assert!(!out.join(".lock").exists() && out.join("run.json").exists());
-    // One holder at a time, whoever comes and goes.
+    // At most one of four competing threads holds the lock.
     let dir = tempfile::tempdir().unwrap();
     let holders = std::sync::atomic::AtomicUsize::new(0);
     std::thread::scope(|scope| {
@@ -250,7 +252,7 @@ fn two_commands_never_fill_one_folder() {
     });
 }
 
-/// Where the file system has no locks (ENOLCK), files with host and process stand in their place.
+/// On file systems without locks (ENOLCK), files named after host and process replace them.
 #[cfg(unix)]
 #[test]
 fn a_file_holds_a_folder_without_locks() {
@@ -277,7 +279,7 @@ fn a_file_holds_a_folder_without_locks() {
     left("alone", &host, child.id());
     assert_eq!(take(true).map(|own| own.path().to_path_buf()).unwrap(), dir.path().join(&name), "its holder is dead");
     assert!(names().is_empty(), "{:?}", names());
-    // Of a process that lives, and of another machine, where nobody knows.
+    // Lock files of a live process, and of another host, where this cannot be determined.
     for (host, process, alone) in
         [(host.as_str(), 1, true), ("elsewhere.example", 7, true), ("elsewhere.example", 7, false)]
     {
@@ -403,7 +405,7 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
         tiny.make(&out);
         assert!(content(&out) == whole, "{what}: other bytes than without");
     }
-    // A finished one is not made again; what it says of its objects is checked.
+    // A finished data set is not computed again, but its manifest is checked against the objects.
     let finished = tiny.out("whole/manifest.json");
     let text = std::fs::read_to_string(&finished).unwrap();
     std::fs::write(&finished, text.replacen("\"reached\": 3", "\"reached\": 2", 1)).unwrap();
@@ -446,10 +448,11 @@ fn an_array_that_claims_more_than_its_file_holds_is_refused_unread() {
     assert!(error.contains("claims.h5") && error.contains("`pad/tets`") && error.contains("is compressed"), "{error}");
 }
 
-/// What a data set gives to a reader.
+/// Content of a data set: name, geometry, status, numbers and grasps of each object, and an entry for splits and
+/// manifest.
 type Told = Vec<(String, String, Vec<u8>, Vec<(String, Vec<f64>)>, Vec<StoredGrasp>)>;
 
-/// All that a reader gets of a data set; None where anything is refused.
+/// Reads the whole content of a data set; None if any part is refused.
 fn told(dir: &Path) -> Option<Told> {
     let set = DataSet::open(dir).ok()?;
     if !set.damaged.is_empty() {
@@ -468,7 +471,8 @@ fn told(dir: &Path) -> Option<Told> {
     Some(all)
 }
 
-/// The content of a file, changed at random; `other` is another file of its kind.
+/// Damages the content of a file at random, or replaces it by `other`, a file of the same kind. Returns a description
+/// and the new content.
 fn mutate(bytes: &[u8], other: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let mut changed = bytes.to_vec();
     let at = random.below(bytes.len());
@@ -507,7 +511,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let mut random = Random::new(number("TACTUS_MUTATIONS_SEED").unwrap_or(1) as u64);
     let made = made();
     let dir = tempfile::tempdir().unwrap();
-    // A data set, a model and a checkpoint, each with another one of its kind.
+    // A data set, a model and a checkpoint to damage, and replacements of the same kind.
     let [data, model, begun] = ["data", "model", "begun"].map(|name| dir.path().join(name));
     copy(&made.tiny.out("data"), &data);
     copy(&made.model, &model);
@@ -566,7 +570,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
             "model" => answer().map(|answer| answer == expected_answer),
             "checkpoint" => {
                 let trainer = Trainer::new(&[set(made)], &spec, "poses", &begun).ok()?;
-                // Named, and begun afresh.
+                // The checkpoint is named as damaged, and the training starts from the beginning.
                 let named = trainer.notices.iter().any(|n| n.contains("checkpoint.bin: is damaged"));
                 if named && trainer.epochs().is_empty() {
                     None

@@ -1,4 +1,4 @@
-//! Data sets, runs and pages of two pads that differ: each has its own mesh, and nothing of one is shown on the other.
+//! Data sets, runs and pages of two different pads: each pad has its own mesh and results.
 
 use crate::report::{checked, data_of, good, numbers, tactus, text};
 use glam::DVec3;
@@ -9,7 +9,7 @@ use tactus::dataset::inspect::frame;
 use tactus::dataset::{DataSet, ObjectFile};
 use tactus::record::{Frame, PadTopology, meshes, read};
 
-/// A box of coarse and a disc of fine mesh, which has more nodes; each with a gel of its own.
+/// A box with a coarse mesh and a disc with a finer one of more nodes, with different gels.
 const SCENE: &str = "(object: (shape: Sphere(radius: 0.012)), grasps: Antipodal(count: 4, seed: 1),
     gripper: (pads: Box(size: (0.02, 0.016, 0.004), cells: (4, 4, 2)), material: NeoHookean(young: 1e5, poisson: 0.45),
               right: (pads: Disc(radius: 0.01, thickness: 0.003, spacing: 2.8e-3), material: NeoHookean(young: 4e5, poisson: 0.45))),
@@ -38,7 +38,7 @@ fn set() -> DataSet {
     set
 }
 
-/// The grasp as it was run.
+/// Pads and frames of the run.
 fn run() -> (Vec<PadTopology>, Vec<Frame>) {
     let pads = meshes::read(&MADE.run, 2).unwrap().0;
     let nodes: Vec<usize> = pads.iter().map(|pad| pad.rest.len()).collect();
@@ -46,7 +46,7 @@ fn run() -> (Vec<PadTopology>, Vec<Frame>) {
     (pads, frames)
 }
 
-/// Largest distance of two fields.
+/// Largest distance between corresponding vectors of two fields.
 fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
@@ -70,7 +70,7 @@ fn a_data_set_holds_both_pads_as_they_were_run() {
             let stress = is.von_mises_node.iter().zip(&was.von_mises_node).map(|(a, b)| (a - b).abs());
             assert!(stress.fold(0.0, f64::max) < 0.05, "stresses, Pa");
         }
-        // What the shorter rows hold beyond their pad.
+        // Padding of the rows of the smaller pad.
         let beyond = &grasp.displacement[3 * (2 * k * right.rest.len() + left.rest.len())..]
             [..3 * (right.rest.len() - left.rest.len())];
         assert!(beyond.iter().all(|u| *u == 0.0), "rows of the smaller pad end in zeros");
@@ -84,7 +84,7 @@ fn the_array_of_other_loaders_holds_the_corners_of_both() {
     let positions = file.dataset("_1_stacked_positions").unwrap();
     let corners: usize = pads.iter().map(|pad| pad.corner_count).sum();
     assert_eq!(positions.shape().unwrap()[2..], [corners as u64, 3]);
-    // Of the first grasp, whose world is the hand with its axes turned and moved.
+    // First grasp: the world frame of the array is the hand frame with permuted axes and a shifted origin.
     let rows: Vec<DVec3> = positions.read_f32().unwrap().as_chunks::<3>().0[..corners]
         .iter()
         .map(|p| DVec3::from_array(p.map(f64::from)))
@@ -105,7 +105,7 @@ fn a_data_set_is_inspected_and_drawn() {
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 4, "a picture of every grasp");
 }
 
-/// The first grasp on the page of `dir`, with the meshes of the page.
+/// First grasp and meshes of the page of `dir`.
 fn shown(dir: &Path) -> (Value, Value) {
     let page = dir.with_extension("html");
     good(&["report", text(dir), "--grasps", "1", "-o", text(&page)]);
@@ -187,7 +187,7 @@ fn a_training_refuses_them_with_the_line_of_the_scene() {
             continue;
         }
         assert!(said.contains("gripper.right: a network takes two pads that are alike"), "{arguments:?}: {said}");
-        // The line of the scene that the file of the object holds.
+        // The line in the scene that the object file stores.
         let scene = &set().objects[0].scene;
         let line =
             1 + scene.lines().position(|line| line.trim_start().starts_with("right:")).expect("the right finger");

@@ -1,4 +1,4 @@
-//! Claims about the files of a run: complete, readable back, honest after an interruption, free of NaN.
+//! Files of a run: complete, readable, valid after an interruption, free of NaN.
 
 use crate::synthetic::{frame, pads, sphere};
 use glam::DVec3;
@@ -23,7 +23,7 @@ fn ramp(pads: &[PadTopology], frames: usize) -> Vec<Frame> {
     (0..frames).map(|i| frame(pads, i, 1e-3 * (i + 1) as f64 / frames as f64)).collect()
 }
 
-/// Records a whole run of one grasp into `dir`.
+/// Records a complete run of one grasp into `dir`.
 fn record(dir: &Path, pads: &[PadTopology], frames: &[Frame]) -> RunReport {
     let mut recorder = RunRecorder::create(dir, options(), report()).expect("created");
     let mut grasp = recorder.begin_grasp(0, pads, &sphere(12, crate::synthetic::RADIUS)).expect("begun");
@@ -136,7 +136,7 @@ fn an_interrupted_run_leaves_readable_files() {
             .expect("force_n")
             .len()
     };
-    // Killed here: the first frame is in the arrays, and more if that was quick; all three are everywhere else.
+    // State after a kill at this point: the arrays have at least the first frame, all other files have all three.
     assert!((1..=3).contains(&npz_frames()));
     let pvd = read_to_string(dir.path().join("grasp_000/run.pvd")).expect("pvd");
     assert!(pvd.trim_end().ends_with("</VTKFile>"));
@@ -150,7 +150,7 @@ fn an_interrupted_run_leaves_readable_files() {
     let json: serde_json::Value =
         serde_json::from_slice(&read(dir.path().join("run.json")).expect("json")).expect("valid");
     assert_eq!(json["finished"], false);
-    // Ended by an error instead: nothing is lost.
+    // After an error (the recorder is dropped), the arrays have all frames, too.
     drop(grasp);
     assert_eq!(npz_frames(), 3);
     let left_over = std::fs::read_dir(dir.path().join("grasp_000")).expect("dir").flatten();

@@ -1,4 +1,4 @@
-//! Claims about `.vtu` files: read back by an independent decoder here, and by `vtk` or `meshio` where Python has them.
+//! `.vtu` files are read back by an independent decoder, and by `vtk` and `meshio` if Python has them.
 
 use crate::skipped::skipped;
 use crate::synthetic::{frame, pads, sphere};
@@ -12,7 +12,7 @@ fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
         .unwrap_or_else(|| panic!("{name}: {tag}"))
 }
 
-/// Bytes of the array `name` in the section `section`, after its sizes have been checked.
+/// Returns the bytes of the array `name` in the section `section`, and checks the sizes in its header.
 fn array(text: &str, section: &str, name: &str) -> Vec<u8> {
     let part = text
         .split(&format!("<{section}>"))
@@ -21,7 +21,7 @@ fn array(text: &str, section: &str, name: &str) -> Vec<u8> {
         .expect(section);
     let array = part.split("<DataArray ").skip(1).find(|a| attribute(a, "Name") == name).expect(name);
     let encoded = array.split('>').nth(1).and_then(|r| r.split('<').next()).expect("content").trim();
-    // The header is padded by itself: 8 numbers of 4 characters for 3 of 8 bytes, or 11 and a pad for 4.
+    // The header is encoded separately: 32 characters for three numbers of 8 bytes, 44 with padding for four.
     let header = base64(&encoded[..32]);
     let number =
         |bytes: &[u8], k: usize| u64::from_le_bytes(bytes[8 * k..8 * k + 8].try_into().expect("header")) as usize;
@@ -105,7 +105,8 @@ fn the_object_is_moved_by_its_pose() {
     assert_eq!(points.len(), 3 * mesh.vertices.len());
 }
 
-/// `TACTUS_PYTHON` may name the interpreter. Volumes prove the node order: a wrong one gives other or negative volumes.
+/// `TACTUS_PYTHON` may name the interpreter. A wrong node order would give wrong or negative volumes (tolerance: 1e-9,
+/// relative).
 #[test]
 fn python_readers_agree() {
     let python = std::env::var("TACTUS_PYTHON").unwrap_or_else(|_| "python3".into());

@@ -1,4 +1,4 @@
-//! Claims about the picture: size, colours where the numbers are, refusal of what cannot be drawn.
+//! Pictures of pads: size, colours that correspond to the values, and refusal of invalid input.
 
 use crate::keep::Keep;
 use crate::synthetic::{frame, pad, pads, sphere};
@@ -9,7 +9,7 @@ use tactus::record::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, enc
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
 
-/// Centre of the drawing of the left pad: see the layout in `src/render/pads.rs`.
+/// Centre of the left pad in the picture, pixels: see the layout in `src/render/pads.rs`.
 const LEFT_CENTER: (u32, u32) = (209, 272);
 
 fn rgb(picture: &Pixmap, at: (u32, u32)) -> [f32; 3] {
@@ -71,7 +71,7 @@ fn odd_inputs_are_drawn_or_refused_never_a_panic() {
     let _ = render_pads(&good, &far, None, &style);
 }
 
-/// A ball of 20 mm radius pressed 0.65 mm into a pad of 2.6 mm elements, as finite elements have it, without arrows.
+/// Picture, without arrows, of a ball of 20 mm radius pressed 0.65 mm into a pad of 2.6 mm finite elements.
 fn pressed_ball() -> Pixmap {
     let scene = from_ron(
         "(object: (shape: Sphere(radius: 0.02), motion: Fixed),
@@ -88,18 +88,18 @@ fn pressed_ball() -> Pixmap {
     render_pads(&pads, &frame, Some(&model.object.surface), &style).expect("drawn")
 }
 
-/// Where a pixel's colour is on the colour scale, 0 to 1; None where it is none of its colours.
+/// Position of the colour of a pixel on the colour scale, 0 to 1; None if the scale does not have it.
 fn fraction(pixel: [f32; 3]) -> Option<f64> {
     let all = (0..=200).map(|i| f64::from(i) / 200.0).map(|t| (distance(pixel, colormap::color(t)), t));
     all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(off, _)| *off < 6.0).map(|(_, t)| t)
 }
 
-/// Across half, and seven tenths, of the largest displacement the patch is as wide along x, y and both diagonals, to 3 pixels of some 70
-/// (1 mm is 11).
+/// At 0.5 and 0.7 of the largest displacement, the widths of the patch along x, y and both diagonals agree to 3 pixels
+/// of about 70 (1 mm is 11 pixels).
 #[test]
 fn the_patch_of_a_ball_is_round_where_elements_are_as_large_as_half_of_it() {
     let picture = pressed_ball();
-    // One pad alone has the whole height.
+    // A single pad takes the full height of the picture.
     let center = (209.0, 440.0);
     for level in [0.5, 0.7] {
         let reach = |direction: usize| {
@@ -116,22 +116,22 @@ fn the_patch_of_a_ball_is_round_where_elements_are_as_large_as_half_of_it() {
     }
 }
 
-/// The cut ball is one flat colour from edge to edge: its runs of that colour are those of a disc seen aslant, the same to the left above
-/// the middle as to the right below it, to 4 pixels. Something that showed through at one side would end a run there.
+/// The cut face of the ball has one flat colour: its rows of that colour form an ellipse, which is point-symmetric
+/// about its centre to 4 pixels. Anything visible through the cut would interrupt a row on one side.
 #[test]
 fn nothing_shows_through_the_cut_of_a_ball() {
     let picture = pressed_ball();
     let flat = |x: i32, y: i32| distance(rgb(&picture, (x as u32, y as u32)), [212.0, 205.0, 192.0]) < 1.5;
     let run =
         |(x, y): (i32, i32), (dx, dy): (i32, i32)| (1..).take_while(|i| flat(x + i * dx, y + i * dy)).count() as i32;
-    // Middles of chords across and down lead to the middle of an ellipse.
+    // Moving to the midpoints of horizontal and vertical chords converges to the centre of the ellipse.
     let mut middle = (1000, 420);
     assert!(flat(middle.0, middle.1));
     for _ in 0..8 {
         middle.0 += (run(middle, (1, 0)) - run(middle, (-1, 0))) / 2;
         middle.1 += (run(middle, (0, 1)) - run(middle, (0, -1))) / 2;
     }
-    // Near the top and the bottom a chord changes by many pixels from row to row.
+    // Near top and bottom the chord length changes by many pixels from row to row, so these rows are excluded.
     let height = run(middle, (0, 1)) * 4 / 5;
     assert!(height > 150, "{height} pixels");
     for k in -height..=height {

@@ -1,4 +1,4 @@
-//! `tactus report`: the page holds what the data hold, asks for nothing from elsewhere, and works in a browser.
+//! `tactus report`: the page shows the data, loads nothing from a network, and works in a browser.
 
 use crate::gnn_made::{Made, made, set};
 use crate::skipped::skipped;
@@ -25,14 +25,14 @@ pub fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Both grasps of the test part, with the network.
+/// Page with both test grasps and the predictions of the network.
 fn judged(made: &Made, page: &Path) -> String {
     let (data, model) = (made.tiny.out("data"), &made.model);
     good(&["report", text(&data), "--model", text(model), "--grasps", "2", "--frames", "2", "-o", text(page)]);
     std::fs::read_to_string(page).unwrap()
 }
 
-/// The data inside the page.
+/// The JSON data of a page.
 pub fn data_of(html: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"data\">";
     let own = html.split_once(start).unwrap().1.split_once("</script>").unwrap().0;
@@ -50,7 +50,7 @@ fn base64(text: &str) -> Vec<u8> {
     text.as_bytes().chunks(4).flat_map(decode).collect()
 }
 
-/// Numbers of an array of the page; half a step is their error.
+/// Numbers of an array of the page, and their rounding error: half a quantisation step.
 pub fn numbers(packed: &Value) -> (Vec<f64>, f64) {
     let scale = packed["scale"].as_f64().unwrap_or(1.0);
     let bytes = base64(packed["base64"].as_str().unwrap());
@@ -68,7 +68,7 @@ pub fn numbers(packed: &Value) -> (Vec<f64>, f64) {
 fn the_page_asks_for_nothing_from_elsewhere() {
     let made = made();
     let html = judged(made, &made.tiny.out("alone.html"));
-    // A name space is a name; nothing is loaded from it.
+    // The SVG name space is only a name: nothing is loaded from its address.
     let rest = html.replace("http://www.w3.org/2000/svg", "");
     assert!(!rest.contains("http:") && !rest.contains("https:") && !rest.contains("//cdn"), "an address of a network");
     for load in [" src=", "@import", "url(", "fetch(", "XMLHttpRequest", "import(", "WebSocket", "{{"] {
@@ -97,7 +97,7 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
         let (mesh, object) =
             (&data["meshes"][shown["pads"][0].as_u64().unwrap() as usize], shown["object"].as_u64().unwrap());
         let (rest, step) = numbers(&mesh["rest"]);
-        // Which node of the pad each node of the page is.
+        // Pad node of each node of the page.
         let of: Vec<usize> = rest
             .as_chunks::<3>()
             .0
@@ -134,7 +134,7 @@ fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
                 assert!(off <= 1.01 * ds + 1e-6, "node {node}: off by {off} Pa, the step is {ds} Pa");
             }
         }
-        // No node that touches is missing: the forces on the page add up to the wrench, N.
+        // The page has all nodes in contact: their forces add up to the wrench, N.
         let (places, (force, df)) =
             (numbers(&states[0]["contact_force"]["nodes"]).0, numbers(&states[0]["contact_force"]["values"]));
         for (k, own) in force.chunks(3 * places.len()).enumerate() {
@@ -200,7 +200,7 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
         good(&["report", text(&bench), text(&run), "-o", text(&page)]);
         std::fs::read_to_string(&page).unwrap()
     });
-    // What stands in the folder comes into the page as an image, in which no script runs, and never as part of it.
+    // An SVG file of the folder is embedded as an image, in which no script runs, and not as markup.
     let svg = std::fs::read_to_string(bench.join("bench.svg")).unwrap();
     let altered = svg.replace("<rect", "<script>alert(5)</script><image href=\"x\" onerror=\"alert(5)\"/><rect");
     assert_ne!(altered, svg);
@@ -269,7 +269,7 @@ fn what_holds_no_results_is_refused_by_name() {
     assert!(lonely.contains("data set"), "{lonely}");
 }
 
-/// A browser of the family that prints a page after its script has run.
+/// Path of a Chromium-based browser, which can print the DOM of a page after its script has run.
 fn browser() -> Option<PathBuf> {
     let given = std::env::var_os("TACTUS_BROWSER").map(PathBuf::from);
     let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
@@ -278,7 +278,8 @@ fn browser() -> Option<PathBuf> {
     given.or_else(found)
 }
 
-/// What a page finds when it tries its picture in a browser, and its content then; None, and a word about it, without a browser.
+/// Result of the self-check of a page in a browser, and its DOM. Without a browser it reports a skipped test and
+/// returns None.
 pub fn checked(page: &Path) -> Option<(Value, String)> {
     let Some(browser) = browser() else {
         skipped("no chromium or chrome on the path (TACTUS_BROWSER names one)");

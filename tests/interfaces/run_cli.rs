@@ -1,4 +1,4 @@
-//! `tactus run` and `tactus check` as a user meets them: exit codes, JSON, files, what a killed run leaves.
+//! `tactus run`, `check` and `predict` on the command line: exit codes, JSON, files, and the files of a killed run.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -120,7 +120,7 @@ fn a_killed_run_leaves_readable_files() {
     while rows() < 4 && clock.elapsed() < Duration::from_secs(120) {
         std::thread::sleep(Duration::from_millis(20));
     }
-    // SIGKILL: no chance to tidy up.
+    // SIGKILL, so the process cannot clean up.
     child.kill().unwrap();
     child.wait().unwrap();
     let run: Value = serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).unwrap();
@@ -173,7 +173,7 @@ fn check_names_grasps_that_cannot_start() {
     assert_eq!(check("(position: (0, 0.2, -0.1))").0, Some(2), "nothing could run");
 }
 
-/// A modulus in kPa, a force of tons, and a time step of a nanosecond: each is said in the last line, below the scene.
+/// A modulus in kPa, a force of 10 kN and a time step of 1 ns are each reported in the last line of `check`.
 #[test]
 fn check_ends_with_what_is_absurd() {
     let dir = tempfile::tempdir().unwrap();
@@ -207,11 +207,11 @@ fn check_ends_with_what_is_absurd() {
     assert_eq!((problems, check("", &motions(1e-3)).1), (1, 0));
 }
 
-/// What refuses a run does so before its folder is touched, so that the next run finds nothing in its way.
+/// A run is refused before its output folder is created, so the next run can use the folder.
 #[test]
 fn a_refused_run_leaves_nothing_behind() {
     let dir = tempfile::tempdir().unwrap();
-    // Pads that the network was not trained for.
+    // The pads are outside the training range of the network.
     let (scene, out) = (write(dir.path(), 1, ""), dir.path().join("out"));
     let run =
         |options: &[&str]| tactus(&[&["run", scene.to_str().unwrap(), "-o", out.to_str().unwrap()], options].concat());

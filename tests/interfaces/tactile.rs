@@ -1,4 +1,4 @@
-//! What a tactile sensor sees: images of the sensing faces against the forces and nodes they are made of.
+//! Tactile images of the sensing faces, compared with the nodal forces and positions of which they are made.
 
 use crate::env_made::{actions, batch, changed, condensed, config, gnn};
 use std::path::Path;
@@ -7,14 +7,14 @@ use tactus::env::StepView;
 use tactus::model::Needs;
 use tactus::scene::NamedScene;
 
-/// Numbers of rows and columns: taxels wider than the elements, and much finer.
+/// Numbers of rows and columns: taxels larger than the elements, and much smaller.
 const GRIDS: [[usize; 2]; 2] = [[5, 4], [120, 100]];
 /// Size of the GelSight Mini gel, m.
 const SIZE: [f64; 2] = [25.25e-3, 20.75e-3];
-/// Height of the pads over the hand base, m, where the scene says nothing.
+/// Default height of the pads above the hand base, m.
 const PLACED: f64 = 0.1;
 
-/// The task with more observations, of the elements or condensed.
+/// The task with additional observations.
 fn seeing(observe: &str) -> Vec<NamedScene> {
     changed(|task| task.replacen("observe: [", &format!("observe: [{observe}, "), 1))
 }
@@ -23,7 +23,8 @@ fn area([rows, cols]: [usize; 2]) -> f64 {
     SIZE[0] * SIZE[1] / (rows * cols) as f64
 }
 
-/// Pressure and shear are the contact force per area of a taxel, whatever its size: their integrals are the wrench, to 1e-5 N of 1 N.
+/// Pressure and shear are contact force per area: for any size of the taxels, their integrals equal the force of the
+/// wrench (1 N) to 1e-5 N.
 #[test]
 fn pressure_and_shear_integrate_to_the_contact_force() {
     for [rows, cols] in GRIDS {
@@ -55,8 +56,8 @@ fn pressure_and_shear_integrate_to_the_contact_force() {
     }
 }
 
-/// Traction is linear between the nodes: however fine the image, it has no holes and no spikes. Over one taxel it changes by at most
-/// the largest value times the size of the taxel over the least height of a triangle, here about 1.8 mm.
+/// Traction is interpolated linearly between the nodes, so a fine image has no holes or spikes: the change from taxel
+/// to taxel is at most the largest value times the taxel size over the least height of a triangle (about 1.8 mm).
 #[test]
 fn a_fine_image_of_the_pressure_is_smooth() {
     let [rows, cols] = GRIDS[1];
@@ -74,8 +75,9 @@ fn a_fine_image_of_the_pressure_is_smooth() {
     }
 }
 
-/// Where gel and object touch, the dent is the mould of the object: they are apart by the gap of the contact, at most 10 um, a 400th
-/// of the thickness. Nowhere does the gel reach into the object by more than 5 um between the points of contact.
+/// Where gel and object touch, the dent follows the surface of the object: at the deepest point the gap is at most
+/// 10 um (1/400 of the thickness), and nowhere does the gel penetrate the object between contact samples by more than
+/// 5 um.
 #[test]
 fn the_dent_is_the_mould_of_the_object_where_they_touch() {
     let [rows, cols] = [40, 48];
@@ -96,7 +98,8 @@ fn the_dent_is_the_mould_of_the_object_where_they_touch() {
     }
 }
 
-/// A ball as a rigid mould leaves a cap: below its deepest point, the depth falls as its surface does, to 1 um.
+/// A rigid ball gives a spherical cap in the depth map: around the deepest point, the depth follows the surface of the
+/// ball to 1 um.
 #[test]
 fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
     let [rows, cols] = [41, 41];
@@ -110,7 +113,8 @@ fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
             [(k / cols, rows, 0), (k % cols, cols, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / n as f64 - 0.5))
         };
         let deepest = (0..depth.len()).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
-        // Height of the ball's surface above its lowest point; the pads stand at the height of the hand's default, across from each other.
+        // Height of the ball's surface above its lowest point, in the coordinates of two pads that face each other at
+        // the default height.
         let side = [-1.0, 1.0][pad];
         let center = [f64::from(pose[2]) - PLACED, side * f64::from(pose[1])];
         let rise = |k: usize| {
@@ -124,7 +128,8 @@ fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
     }
 }
 
-/// Markers move with the face: at the middles of taxels they are displaced as these are, and a camera sees them where they are.
+/// Markers move with the face: those at the centres of taxels have the displacements of the taxels, and positions and
+/// pixels agree to 10 nm.
 #[test]
 fn markers_move_with_the_face() {
     let set = seeing("Markers(rows: 5, cols: 4, pixel: 1e-4)");
@@ -147,7 +152,7 @@ fn markers_move_with_the_face() {
     assert!(most > 1e-4, "{most} m");
 }
 
-/// The task with friction `mu`, force of the closing hand (N) and distance of nodes (m).
+/// The task with friction `mu`, closing force (N) and node spacing (m).
 fn pressing(observe: &str, [mu, force, spacing]: [&str; 3]) -> Vec<NamedScene> {
     changed(|task| {
         let task = task.replacen("observe: [", &format!("observe: [{observe}, "), 1);
@@ -156,15 +161,15 @@ fn pressing(observe: &str, [mu, force, spacing]: [&str; 3]) -> Vec<NamedScene> {
     })
 }
 
-/// Looks at the observations right after the hand has closed on the ball.
+/// Passes the observations after the hand has closed on the ball to `look`.
 fn closed(observe: &str, numbers: [&str; 3], look: impl Fn(StepView)) {
     let set = pressing(observe, numbers);
     let mut env = batch(&set[..1], config(1));
     look(env.reset(None, None).unwrap());
 }
 
-/// The torque about the middle of the face is that of the pressing force at the centre of pressure, to 0.1 mm of lever: the rest is
-/// shear on a face that is not flat.
+/// The torque about the centre of the face is that of the normal force at the centre of pressure, to a lever of 0.1 mm:
+/// the remainder is due to shear on a face that is not flat.
 #[test]
 fn the_centre_of_pressure_is_the_lever_of_the_torque() {
     closed("CenterOfPressure", ["0.8", "1.5", "8e-3"], |view| {
@@ -180,7 +185,8 @@ fn the_centre_of_pressure_is_the_lever_of_the_torque() {
     });
 }
 
-/// The area that touches is that where the gel lies on the object, to 15 %: a point of contact stands for 0.4 mm2 of 13 mm2.
+/// The contact area equals the area where the gap is below 10 um, to 15 %: each contact sample represents 0.4 mm2 of
+/// 13 mm2.
 #[test]
 fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
     let [rows, cols] = [100, 80];
@@ -196,7 +202,7 @@ fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
     });
 }
 
-/// Without friction all that touches slides, with a friction of 100 nothing does, and with 0.3 the rim does before the middle.
+/// The whole contact slips without friction, none of it at a friction of 100, less than a tenth of its centre at 0.3.
 #[test]
 fn slip_is_all_nothing_or_at_the_rim() {
     let observe = "Slip(rows: 9, cols: 9), Pressure(rows: 9, cols: 9)";
@@ -218,8 +224,9 @@ fn slip_is_all_nothing_or_at_the_rim() {
     });
 }
 
-/// A network has no points of contact: what touches and slides follows from its forces at the nodes. The network that ships and finite
-/// elements agree on the area to a half, and on a ball that is held nothing slides where it is pressed most.
+/// A network has no contact samples: contact area and slip follow from its nodal forces. The area of the shipped
+/// network agrees with that of finite elements to 50 %, and a ball that is held does not slip at the centre of the
+/// contact.
 #[test]
 fn a_network_says_what_touches_and_slides() {
     let set = || pressing("ContactArea, Slip(rows: 9, cols: 9)", ["0.8", "8.0", "2.6e-3"]);
@@ -235,7 +242,7 @@ fn a_network_says_what_touches_and_slides() {
     assert!(slip.iter().all(|slip| (0.0..=1.0).contains(slip)) && slip[9 * 4 + 4] == 0.0, "{slip:?}");
 }
 
-/// A data set holds the images of a run bit for bit, of a finer mesh, too, and what vouches for its rows covers them.
+/// A data set computed on a finer mesh holds the tactile images of a run bit for bit.
 #[test]
 fn a_data_set_holds_the_images_of_a_run() {
     let scene = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3), friction: 0.2), stepper: Fem(mesh: (finer: 1.2)),
@@ -262,7 +269,7 @@ fn a_data_set_holds_the_images_of_a_run() {
     assert!(tactus::scene::from_ron(&scene.replace("Pressure()", "Wrench")).is_err(), "runs have it anyway");
 }
 
-/// What a scene does not ask for is neither in its world nor in its frames.
+/// Quantities that a scene does not request are not computed.
 #[test]
 fn nothing_is_computed_that_the_scene_does_not_ask_for() {
     let needs = |record: &str| {

@@ -1,4 +1,4 @@
-//! `tactus view` and `--watch`: a page for this machine alone, which follows what is written.
+//! `tactus view` and `--watch`: a page served to this machine only, which is updated with the results.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -7,10 +7,10 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Nothing here takes a tenth of it.
+/// Time limit of every wait, more than ten times what any of them takes.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Six presses of a tenth of a second.
+/// Six presses of 0.1 s of computing time each.
 const SCENE: &str = "(object: (shape: Sphere(radius: 6e-3), motion: Fixed),
     grasps: List([
         (position: (0, 0, -0.1)), (position: (0, 0.001, -0.1)), (position: (0, 0.002, -0.1)),
@@ -19,10 +19,10 @@ const SCENE: &str = "(object: (shape: Sphere(radius: 6e-3), motion: Fixed),
     gripper: (pads: Box(size: (0.016, 0.016, 0.0045), cells: (4, 4, 2)), opening: 0.02, friction: 0.0,
               fingers: One, material: NeoHookean(young: 3e5, poisson: 0.45)),
     loading: Press(depths: [0.1e-3, 0.2e-3]), record: (pictures: false))";
-/// What no grasp of it can keep.
+/// Replaces the loading of [`SCENE`] and adds an expectation that every grasp violates.
 const BROKEN: &str = "loading: Press(depths: [0.1e-3, 0.2e-3]), expect: [Penetration(at_most: 1e-15)],";
 
-/// Viewer that is running.
+/// A running viewer.
 struct Viewing {
     child: Child,
     stdout: BufReader<ChildStdout>,
@@ -31,7 +31,7 @@ struct Viewing {
 }
 
 impl Viewing {
-    /// Starts a command; the address is in the first line of what it prints, or says if it is `--watch`.
+    /// Starts a command and reads its address from the first line on stdout (`view`) or stderr (`--watch`).
     fn start(arguments: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
         let mut child = command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -66,7 +66,7 @@ impl Viewing {
         answer["state"].as_str().unwrap().to_string()
     }
 
-    /// Presses Ctrl-C; returns the exit code, and what is left on stdout and stderr.
+    /// Sends SIGINT (Ctrl-C); returns the exit code and the rest of stdout and stderr.
     fn end(mut self) -> (Option<i32>, String, String) {
         assert!(self.child.try_wait().unwrap().is_none(), "it stays until Ctrl-C");
         assert!(Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap().success());
@@ -134,7 +134,7 @@ fn only_this_machine_and_its_own_names_are_answered() {
     assert_eq!(viewing.end().0, Some(0));
 }
 
-/// Clients that send their requests byte by byte hold the places of the server no longer than a request may take.
+/// Clients that send their requests byte by byte occupy connections of the server only for the time limit of a request.
 #[test]
 fn slow_requests_do_not_shut_others_out() {
     let dir = made();
@@ -146,7 +146,7 @@ fn slow_requests_do_not_shut_others_out() {
     };
     let mut slow: Vec<TcpStream> = (0..40).map(open).collect();
     let is_answered = || {
-        // Whoever is turned away finds the connection closed.
+        // A client that is refused finds its connection closed.
         let mut stream = TcpStream::connect(&viewing.address).unwrap();
         stream.set_read_timeout(Some(LIMIT)).unwrap();
         let mut answer = String::new();

@@ -1,4 +1,4 @@
-//! The audit finds what it is there to find: a recorded frame is spoilt in one respect at a time.
+//! The audit detects each kind of error: a valid recorded frame is altered in one respect at a time.
 
 use crate::common::Random;
 use crate::keep::Keep;
@@ -23,7 +23,7 @@ fn scene(folder: &Path, text: &str) -> Scene {
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
-/// A ball squeezed with 4 N: model and last frame, which is sound.
+/// Model and last frame, which is valid, of a ball squeezed with 4 N.
 fn squeezed() -> (Arc<Model>, Frame) {
     let folder = tempfile::tempdir().unwrap();
     let text = "(object: (shape: Sphere(radius: 0.015)), gripper: (pads: GelSightMini(spacing: 4e-3)),
@@ -89,8 +89,8 @@ fn a_spoilt_frame_is_found_out() {
     assert!(judge(&model, &frame).imbalance > 5e-3, "a finger force that the mount does not give");
 }
 
-/// Elastic forces of the audit, from differences of the energy, are those of the solver, for every law and both elements, to 1e-7 of the
-/// largest; the volumes that nodes carry are, to rounding.
+/// For every law and both elements, the elastic forces of the audit (finite differences of the energy) equal those of
+/// the solver to 1e-7 of the largest force, and the nodal volumes agree to 1e-20 m3.
 #[test]
 fn forces_of_the_audit_agree_with_those_of_the_solver() {
     for law in ["NeoHookean", "Corotational", "Linear"] {
@@ -103,7 +103,7 @@ fn forces_of_the_audit_agree_with_those_of_the_solver() {
             let model = Model::build(&scene(folder.path(), &text)).unwrap();
             let finger = &model.fingers[0];
             let (body, elements) = (&finger.body, &finger.topology.elements);
-            // Shear and stretch of up to a fifth that vary over a few millimetres.
+            // Displacement gradients of up to 0.2 that vary over a few millimetres.
             let moved = |x: &DVec3| *x + DVec3::new((1e3 * x.y).sin(), (1e3 * x.z).sin(), (1e3 * x.x).sin()) * 2e-4;
             let x: Vec<DVec3> = body.rest.iter().map(moved).collect();
             let mut solver = vec![DVec3::ZERO; x.len()];
@@ -120,7 +120,8 @@ fn forces_of_the_audit_agree_with_those_of_the_solver() {
     }
 }
 
-/// A middle of an edge beyond the quarter points folds the corner of an element whose quadrature points are all right.
+/// A mid-edge node beyond the quarter point of its edge inverts a corner of the element while det F at its quadrature
+/// points stays positive.
 #[test]
 fn a_folded_corner_is_an_inversion() {
     let (model, mut frame) = squeezed();
@@ -138,7 +139,8 @@ fn a_folded_corner_is_an_inversion() {
     assert!(tets[worst].contains(&tets[0][4]), "element {worst} has the edge");
 }
 
-/// Points of the pad are coarser than a tip: it must be seen from the object.
+/// The audit samples the object as well as the pads, and so detects the penetration of a tip between the sample points
+/// of a pad.
 #[test]
 fn a_tip_between_the_points_of_the_pad_is_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -157,7 +159,8 @@ fn a_tip_between_the_points_of_the_pad_is_found() {
     assert!(depth > 5e-5, "the tip pushed 100 um into the pad is found {depth} m deep");
 }
 
-/// Inside and depth agree with the signed distance that the contact uses, for every family.
+/// For every family, the depth of the audit is positive exactly where the signed distance of the contact is negative,
+/// and equals its magnitude to 1e-9 m.
 #[test]
 fn the_solid_is_where_the_signed_distance_says() {
     let folder = tempfile::tempdir().unwrap();
@@ -197,7 +200,7 @@ fn the_solid_is_where_the_signed_distance_says() {
                     continue;
                 }
                 assert_eq!(depth > 0.0, distance < 0.0, "{shape} at {q}: depth {depth}, distance {distance} m");
-                // Of an ellipsoid the depth is of first order only.
+                // The depth inside an ellipsoid is a first-order approximation.
                 if distance < 0.0 && !shape.starts_with("Ellipsoid") {
                     assert!((depth + distance).abs() < 1e-9, "{shape} at {q}: depth {depth}, distance {distance} m");
                 }

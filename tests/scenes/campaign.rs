@@ -1,11 +1,12 @@
-//! A campaign of random squeezes: shapes of all families, materials, forces and antipodal poses, all drawn from a seed.
+//! Campaign of random squeezes: shapes of all families, materials, forces and antipodal poses, drawn from a seed.
 //!
 //! ```text
 //! TACTUS_CAMPAIGN=1000 cargo test --release --test scenes campaign:: -- --nocapture
 //! ```
 //!
-//! runs a thousand (`TACTUS_CAMPAIGN_SEED` starts elsewhere), prints a scene for every one that does not reach its force, and
-//! fails if fewer than 99.5 % do. Without the variable it runs three.
+//! runs a thousand (the first seed is `TACTUS_CAMPAIGN_SEED`, by default 1), prints the scene of each that does not
+//! reach its force or breaks an expectation, and fails if one breaks or fewer than 99.5 % of the feasible ones reach
+//! their force. Without the variable it runs three.
 
 use crate::common::Random;
 use glam::{DMat3, DQuat, DVec3};
@@ -19,7 +20,7 @@ use tactus::record::Status;
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
 
-/// Draws in ranges.
+/// Random numbers in given ranges.
 struct Draw(Random);
 
 impl Draw {
@@ -27,7 +28,7 @@ impl Draw {
         low + (high - low) * 0.5 * (1.0 + self.0.number())
     }
 
-    /// With equal chance per factor.
+    /// Draws from the log-uniform distribution.
     fn scale(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -46,7 +47,7 @@ impl Draw {
     }
 }
 
-/// A shape of any family, of the size of a thing that a hand picks up.
+/// Draws a shape of any family, of the size of objects that a gripper picks up.
 fn shape(d: &mut Draw) -> String {
     let (a, b, c) = (d.between(0.016, 0.06), d.between(0.016, 0.06), d.between(0.016, 0.06));
     let r = d.between(0.008, 0.03);
@@ -80,11 +81,11 @@ fn shape(d: &mut Draw) -> String {
     }
 }
 
-/// Widest object that the hand takes, m.
+/// Largest width between the two grasp points, m.
 const WIDEST: f64 = 0.07;
 
-/// A pose of the hand in the object frame that a grasp sampler would give: two surface points that see each other through the
-/// object, both normals within `cone` (rad) of the line between them; any turn about it. None if none is found.
+/// Antipodal pose of the hand in the object frame: two surface points joined by a line through the object, both normals
+/// within `cone` (rad) of it, with a random rotation about it. None if 2000 draws find none.
 fn antipodal(shape: &Shape, cone: f64, d: &mut Draw) -> Option<(DVec3, DQuat)> {
     let mesh = &shape.surface;
     let areas: Vec<f64> = (0..mesh.triangles.len())
@@ -101,7 +102,7 @@ fn antipodal(shape: &Shape, cone: f64, d: &mut Draw) -> Option<(DVec3, DQuat)> {
         let (u, v) = (d.between(0.0, 1.0).sqrt(), d.between(0.0, 1.0));
         let start = a * (1.0 - u) + b * (u * (1.0 - v)) + c * (u * v);
         let inward = (d.direction() * cone.sin() * d.between(0.0, 1.0) - normal).normalize();
-        // Seen from outside, the far side of the object is where a ray back meets it.
+        // A ray from outside back towards the start meets the far side of the object first.
         let far = 4.0 * shape.bounding_radius;
         let Some(hit) = shape.ray(start + inward * far, -inward) else { continue };
         let end = start + inward * (far - hit.t);
@@ -118,7 +119,7 @@ fn antipodal(shape: &Shape, cone: f64, d: &mut Draw) -> Option<(DVec3, DQuat)> {
     None
 }
 
-/// The scene of squeeze `number`; None where the drawn object has no antipodal grasp.
+/// Scene of squeeze `number`; None if no antipodal grasp of the drawn object is found.
 fn squeeze(number: u64, folder: &Path) -> Option<String> {
     let mut d = Draw(Random(number.wrapping_mul(0x2545_f491_4f6c_dd1d)));
     let shape = shape(&mut d);
@@ -145,7 +146,7 @@ fn squeeze(number: u64, folder: &Path) -> Option<String> {
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     let object =
         tactus::model::part::object::build(&scene.object, &mut Vec::new()).unwrap_or_else(|e| panic!("{text}: {e}"));
-    // Well within the cone: a grasp on its edge slides as soon as the gel gives way.
+    // Half the angle of the friction cone: a grasp at its boundary slides as soon as the gel deforms.
     let (p, q) = antipodal(&object, 0.5 * friction.atan(), &mut d)?;
     Some(format!(
         "{text}\n    grasps: List([(position: ({:.5}, {:.5}, {:.5}), rotation: ({:.6}, {:.6}, {:.6}, {:.6}))]),\n)\n",

@@ -1,4 +1,4 @@
-//! Default settings against references whose own error is known (`docs/references.json`), and meshes chosen for an accuracy.
+//! Default settings against references of known error (`docs/references.json`), and meshes chosen for an accuracy.
 
 use crate::keep::Keep;
 use crate::skipped::data;
@@ -22,7 +22,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The last frame of the first grasp.
+/// Model, and last frame of the first grasp.
 fn last(scene: &Scene) -> (Arc<Model>, Frame) {
     let (model, stepper) = (Model::build(scene).unwrap(), choose(scene).unwrap());
     let keep = Keep::default();
@@ -31,7 +31,7 @@ fn last(scene: &Scene) -> (Arc<Model>, Frame) {
     (model, keep.last())
 }
 
-/// Values and the bar on each, relative: those of the issue for displacement, stress and force; the others are shown.
+/// Compared values and their relative tolerances.
 const BARS: [(&str, f64); 5] = [
     ("force_n", 0.01),
     ("travel_m", 0.02),
@@ -40,7 +40,8 @@ const BARS: [(&str, f64); 5] = [
     ("stress_mean_pa", 0.03),
 ];
 
-/// Bars that are missed with 2.6 mm cells, and what is measured, rounded up.
+/// Object and value that miss their tolerance with 2.6 mm cells, and the measured relative error, rounded up, which is
+/// allowed instead.
 const MISSED: [(&str, &str, f64); 8] = [
     ("sphere", "travel_m", 0.025),
     ("sphere", "displacement_max_m", 0.024),
@@ -52,7 +53,7 @@ const MISSED: [(&str, &str, f64); 8] = [
     ("scanned-lemon", "displacement_max_m", 0.077),
 ];
 
-/// Prints how far the values are from the reference; those beyond their bar, or that are missed by more than is known.
+/// Prints the relative error of each value; returns those beyond their tolerance or their allowance in [`MISSED`].
 fn judge(row: &Reference, own: &FrameValues) -> Vec<String> {
     let mut beyond = Vec::new();
     for (name, bar) in BARS {
@@ -94,7 +95,7 @@ fn default_settings_meet_the_references() {
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }
 
-/// A squeeze of an object at an accuracy.
+/// Scene that squeezes `object` to `force` (N), with a mesh chosen for the relative `accuracy`.
 fn squeeze(object: &str, force: f64, accuracy: f64) -> Scene {
     let text = format!(
         "(object: (shape: {object}), gripper: (pads: GelSightMini(accuracy: {accuracy})), loading: Squeeze(force: {force}, frames: 1))"
@@ -102,7 +103,7 @@ fn squeeze(object: &str, force: f64, accuracy: f64) -> Scene {
     from_ron(&text).unwrap()
 }
 
-/// Spacing and focus that are chosen.
+/// Spacing (m) and focus of the chosen mesh.
 fn chosen(scene: &Scene) -> (f64, f64) {
     match accuracy::meshed(scene).unwrap().gripper.pads {
         Pads::GelSightMini(g) => {
@@ -118,7 +119,7 @@ fn meshes_get_finer_with_smaller_accuracy_sharper_objects_and_less_force() {
     let ball = |radius: f64| format!("Sphere(radius: {radius})");
     let spacing = |object: &str, force: f64, accuracy: f64| chosen(&squeeze(object, force, accuracy)).0;
     let base = spacing(&ball(0.02), 10.0, 0.05);
-    // The error falls with the square of the cells.
+    // The predicted error is proportional to the square of the spacing.
     let half = spacing(&ball(0.02), 10.0, 0.0125) / base;
     assert!((half - 0.5).abs() < 1e-9, "{half}");
     let sharper = spacing(&ball(0.005), 10.0, 0.05) / base;
@@ -133,7 +134,8 @@ fn meshes_get_finer_with_smaller_accuracy_sharper_objects_and_less_force() {
     assert_eq!(focus, 1.0, "a patch as long as the pad");
 }
 
-/// Error of the displacement in the last frame of the first grasp against a mesh twice as fine, relative, and the nodes of a pad.
+/// Relative error of the displacement in the last frame of the first grasp against a mesh of half the spacing, and the
+/// number of nodes of a pad.
 fn against_twice_as_fine(scene: &Scene) -> (f64, usize) {
     let scene = accuracy::meshed(scene).unwrap();
     let mut finer = scene.clone();
@@ -145,7 +147,8 @@ fn against_twice_as_fine(scene: &Scene) -> (f64, usize) {
     (error, own.fingers[0].body.rest.len())
 }
 
-/// A press by default; `TACTUS_ACCURACY=0.08` measures that accuracy on the objects of the references, too, and prints it.
+/// The displacement error is at most 1.5 times the requested accuracy. Tests a press by default, and with
+/// `TACTUS_ACCURACY=0.08` the objects of the references at that accuracy, too.
 #[test]
 fn the_chosen_mesh_is_as_accurate_as_asked_for() {
     let press = |asked: f64| {

@@ -1,11 +1,11 @@
-//! What `check` expects of a run against what was measured.
+//! Number of iterations that `check` predicts for a run, against measurements.
 
 use std::path::Path;
 use tactus::model::Model;
 use tactus::scene::load_set;
 use tactus::world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 
-/// Newton iterations of the hard cases as `docs/results.md` lists them: name, number.
+/// Name and number of Newton iterations of each hard case that reaches its force, from `docs/results.md`.
 fn measured() -> Vec<(String, f64)> {
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results.md")).unwrap();
     let table = text.split("<!-- table hard_cases").nth(1).unwrap().split("<!-- end -->").next().unwrap();
@@ -14,7 +14,8 @@ fn measured() -> Vec<(String, f64)> {
     reached.map(|row| (row[1].to_string(), row[3].parse().unwrap())).collect()
 }
 
-/// Seven of eight hard cases take as many iterations as expected, to within the factor that `check` names.
+/// In at least seven of eight hard cases the predicted number of iterations is right to within the factor
+/// [`EXPECTED_WITHIN`].
 #[test]
 fn hard_cases_take_the_iterations_that_are_expected() {
     let (mut all, mut off) = (0, Vec::new());

@@ -1,4 +1,4 @@
-//! Tetrahedral meshes and grasp files as other programs write them: read with the right value, or refused with what to do.
+//! Tetrahedral meshes and grasp files as other programs write them are read correctly, or refused with a remedy.
 
 use crate::skipped::skipped;
 use glam::{DMat3, DQuat, DVec3};
@@ -16,9 +16,9 @@ use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::net::network::card::Trained;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
-/// Size of the block of gel that all mesh files hold, m.
+/// Size of the block of gel in all mesh files, m.
 const SIZE: [f64; 3] = [0.02, 0.016, 0.004];
-/// Longer than anything here takes: beyond it something hangs.
+/// Time limit of a reader, longer than any of them takes.
 const HANG: Duration = Duration::from_secs(20);
 
 /// The block: 4 x 4 x 2 cells of six tetrahedra.
@@ -26,7 +26,8 @@ fn block() -> TetMesh {
     box_pad(SIZE[0], SIZE[1], SIZE[2], &Resolution::cells([4, 4, 2])).unwrap().mesh
 }
 
-/// Asserts that `mesh` is the block: as many tetrahedra, its volume to 1e-12 of itself, its nodes within 1e-9 m.
+/// Asserts that `mesh` is the block: its numbers of nodes and tetrahedra, its volume to a relative 1e-12, its nodes to
+/// 1e-9 m.
 #[track_caller]
 fn is_block(mesh: &TetMesh) {
     let whole = block();
@@ -54,7 +55,7 @@ enum Form {
     Big,
 }
 
-/// A gmsh file in the making.
+/// Writer of a gmsh file: form, and the bytes written so far.
 struct Out(Form, Vec<u8>);
 
 impl Out {
@@ -80,7 +81,7 @@ impl Out {
     fn point(&mut self, p: DVec3) {
         p.to_array().into_iter().for_each(|x| self.real(x));
     }
-    /// The end of a line, which only text has.
+    /// Ends a line in a text file; writes nothing in a binary one.
     fn end(&mut self) {
         if self.0 == Form::Text {
             self.text("\n");
@@ -88,8 +89,8 @@ impl Out {
     }
 }
 
-/// A gmsh file: sections that are not needed, the nodes, a triangle that is left out, and tetrahedra of 4 or 10 nodes. Node
-/// tags are 10, 13, 16 ...
+/// A gmsh file: sections that the reader skips, the nodes, a triangle, which it ignores, and tetrahedra of 4 or 10
+/// nodes. Node tags are 10, 13, 16 ...
 fn gmsh(version: &str, form: Form, nodes: &[DVec3], cells: &[Vec<u32>]) -> Vec<u8> {
     let tag = |i: usize| 10 + 3 * i;
     let kind = if cells[0].len() == 10 { 11 } else { 4 };
@@ -102,7 +103,7 @@ fn gmsh(version: &str, form: Form, nodes: &[DVec3], cells: &[Vec<u32>]) -> Vec<u
     }
     o.text("$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"gel\"\n$EndPhysicalNames\n");
     if !v2 {
-        // Passed over, whatever bytes it holds.
+        // Skipped by the reader; in a binary file its bytes include line feeds and `$`.
         o.text("$Entities\n");
         (0..40).for_each(|k| o.int(if form == Form::Text { k } else { 0x0a24_0a00 + k }));
         o.end();
@@ -202,7 +203,7 @@ fn linear() -> (Vec<DVec3>, Vec<Vec<u32>>) {
     (mesh.nodes, mesh.tets.iter().map(|t| t.to_vec()).collect())
 }
 
-/// The block with middle nodes, in the order of gmsh: the last two edges are the other way round.
+/// The block with mid-edge nodes, in the order of gmsh: the last two nodes are swapped.
 fn with_middles() -> (Vec<DVec3>, Vec<Vec<u32>>) {
     let ten = quadratic::promote(&block());
     let gmsh = |t: &[u32; 10]| {
@@ -242,7 +243,7 @@ fn gmsh_files_of_every_version_and_form_hold_the_same_block() {
     }
 }
 
-/// A gmsh file of the block as two physical volumes, the gel above the middle and a soft backing below.
+/// A gmsh file of the block as two physical volumes: the gel in the upper half, a soft backing in the lower.
 fn two_volumes(version: &str, form: Form) -> Vec<u8> {
     let mesh = block();
     let middle = |t: usize| mesh.corners(t).into_iter().sum::<DVec3>().z / 4.0;
@@ -257,7 +258,7 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
     }
     o.text("$EndMeshFormat\n$PhysicalNames\n3\n2 9 \"skin\"\n3 7 \"gel\"\n3 8 \"soft backing\"\n$EndPhysicalNames\n");
     if !v2 {
-        // A point in a group of its own, and two volumes without a boundary.
+        // One point in a group, and two volumes without boundary surfaces.
         o.text("$Entities\n");
         [1, 0, 0, 2].into_iter().for_each(|count| o.size(count));
         o.end();
@@ -316,7 +317,7 @@ fn two_volumes(version: &str, form: Form) -> Vec<u8> {
     }
     for (part, tets) in parts.iter().enumerate() {
         if !v2 {
-            // The dimension stands first since 4.1.
+            // The dimension comes first since version 4.1.
             if v41 { [3, part + 1] } else { [part + 1, 3] }.into_iter().for_each(|v| o.int(v));
             o.int(4);
             o.size(tets.len());
@@ -369,7 +370,7 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
             assert!(error.contains("has no physical volume \"glue\"") && error.contains("\"gel\" of 96"), "{error}");
         }
     }
-    // As a pad: half as thick.
+    // The pad of the upper half has half the thickness.
     let text = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: File(path: \"two.msh\", group: \"gel\")), \
                 loading: Squeeze(force: 1, frames: 1))";
     let scene = dir.path().join("s.ron");
@@ -378,7 +379,7 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
         |scene: &Path| tactus::model::part::pad::build(&load(scene).unwrap().scene.gripper.pads, &mut Vec::new());
     let (pad, _) = built(&scene).unwrap();
     assert!((pad.thickness() - 2e-3).abs() < 1e-9, "{} m", pad.thickness());
-    // In another unit than the file's it is too small or too large for any gel.
+    // A wrong scale gives a pad outside the range of valid sizes.
     for (scale, size) in [("1e-6", "2e-8 x 1.6e-8 x 2e-9 m"), ("1000", "20 x 16 x 2 m")] {
         std::fs::write(&scene, text.replace("\"gel\"", &format!("\"gel\", scale: {scale}"))).unwrap();
         let error = built(&scene).map(|_| ()).unwrap_err().to_string();
@@ -393,13 +394,13 @@ fn curved_edges_are_told_and_a_foreign_order_of_nodes_is_refused() {
     let (mut nodes, cells) = with_middles();
     let corners = block().nodes.len();
     let sound = nodes.clone();
-    // The upper face is bulged by 0.1 mm between its corners, 2 to 3 % of their distance.
+    // The mid-edge nodes of the upper face are raised by 0.1 mm, 2 to 3 % of the distance of the corners.
     nodes[corners..].iter_mut().filter(|p| p.z > -1e-9).for_each(|p| p.z += 1e-4);
     let (mesh, notices) = read("a.msh", &gmsh("4.1", Form::Little, &nodes, &cells)).unwrap();
     is_block(&mesh);
     let told = notices.join("\n");
     assert!(told.contains("lie up to 1.00e-4 m") && told.contains("edges are taken as straight"), "{told}");
-    // VTK's order of the middle nodes in a gmsh file.
+    // A gmsh file with the mid-edge nodes in the order of VTK.
     let vtk: Vec<Vec<u32>> = quadratic::promote(&block()).tets.iter().map(|t| t.to_vec()).collect();
     let error = read("a.msh", &gmsh("2.2", Form::Text, &sound, &vtk)).unwrap_err();
     assert!(error.contains("another order than gmsh's") && error.contains("line "), "{error}");
@@ -423,7 +424,7 @@ fn damaged_binary_gmsh_files_say_where() {
     refused(&huge, "the number of nodes 1152921504606846976 is above the 5000000 allowed");
 }
 
-/// A Medit file of the block with the sections of mmg before and after the tetrahedra.
+/// A Medit file of the block with sections that mmg writes before and after the tetrahedra.
 fn medit() -> String {
     let mesh = block();
     let mut text = "MeshVersionFormatted 2\n\nDimension 3\n\nVertices\n".to_string();
@@ -457,7 +458,7 @@ fn medit_files_of_mmg_hold_the_same_block() {
     assert!(error.contains("binary Medit") && error.contains("meshio convert"), "{error}");
 }
 
-/// A legacy VTK file of the block, old (one list of cells) or of version 5.1 (offsets and connectivity).
+/// A legacy VTK text file of the block, of version 3.0 (one list of cells) or 5.1 (offsets and connectivity).
 fn vtk(five: bool) -> String {
     let mesh = block();
     let n = mesh.tets.len();
@@ -478,7 +479,8 @@ fn vtk(five: bool) -> String {
     text + "POINT_DATA 75\nSCALARS u float\n"
 }
 
-/// The block and a triangle as meshio writes them in binary, in version 4.2 (one list of cells) or 5.1 (offsets and connectivity).
+/// A binary VTK file of the block and a triangle as meshio writes it, of version 4.2 (one list of cells) or 5.1
+/// (offsets and connectivity).
 fn binary_vtk(five: bool) -> Vec<u8> {
     let mesh = block();
     let (n, mut out) = (mesh.tets.len(), Vec::new());
@@ -534,7 +536,7 @@ fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
         let (mesh, notices) = read("a.vtk", &bytes).unwrap();
         is_block(&mesh);
         assert!(notices.join("\n").contains("ignored 1 cell;"), "{notices:?}");
-        // Writers of VTK itself put words and a field in front.
+        // The writers of VTK itself write field data before the points.
         let front = b"FIELD FieldData 1\ntime 1 1 double\n\x0a\x0a\0\0\0\0\0\0\nPOINTS";
         let at = bytes.windows(6).position(|w| w == b"POINTS").unwrap();
         let own = [&bytes[..at], front, &bytes[at + 6..]].concat();
@@ -563,7 +565,7 @@ fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
         ("a.inp", "`meshio convert -o gmsh22 a.inp a.msh`"),
         ("part.step", "`gmsh -3 part.step -o part.msh`"),
         ("a.stl", "fill it with tetrahedra"),
-        // A .msh of ANSYS.
+        // A `.msh` file of ANSYS.
         ("a.msh", "`meshio convert -o gmsh22 a.msh gmsh_a.msh`"),
     ] {
         let error = read(name, b"(1 x)\n").unwrap_err();
@@ -573,7 +575,7 @@ fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
 
 #[test]
 fn a_line_of_a_megabyte_is_read_in_the_time_of_its_length() {
-    // 400,000 words in one line; counted anew for each, their columns took 20 s.
+    // 400,000 words in one line. Counting the column from the line start for each word is quadratic: 20 s.
     let long = format!("v 0 0 0\n{}\n", "1 ".repeat(400_000));
     within(HANG, "a long line", move || {
         let error = read("a.tet", long.as_bytes()).unwrap_err();
@@ -586,7 +588,7 @@ fn a_line_of_a_megabyte_is_read_in_the_time_of_its_length() {
     assert!(word.len() < 400, "a word of 100,000 letters is quoted in {} letters", word.len());
 }
 
-/// Runs `work` on a thread of its own and fails if it is not done in time.
+/// Runs `work` on a separate thread and panics if it takes longer than `limit`.
 fn within(limit: Duration, what: &str, work: impl FnOnce() + Send + 'static) {
     let (done, wait) = mpsc::channel();
     let worker = std::thread::spawn(move || {
@@ -599,8 +601,13 @@ fn within(limit: Duration, what: &str, work: impl FnOnce() + Send + 'static) {
     worker.join().unwrap();
 }
 
+<<<<<<< HEAD
 /// Grasps of an object at the origin: the pads around it, the hand from all sides.
 fn around() -> Vec<Pose> {
+=======
+/// Grasps centred on an object at the origin, from 20 directions.
+fn around() -> Vec<GraspPose> {
+>>>>>>> main
     (0..20)
         .map(|i| {
             let a = f64::from(i);
@@ -610,7 +617,7 @@ fn around() -> Vec<Pose> {
         .collect()
 }
 
-/// A scene of a ball and pads of few cells with this grasp file.
+/// Scene of a ball and coarse pads with these grasps.
 fn scene(dir: &Path, grasps: &str) -> PathBuf {
     let path = dir.join("s.ron");
     let text = format!(
@@ -656,7 +663,7 @@ fn grasps_of_other_conventions_are_the_same_grasps() {
         ("(approach: MinusZ)", Convention { approach: HandAxis::MinusZ, ..Convention::default() }),
     ];
     for (text, convention) in cases {
-        // Their hand frame F: a point with hand coordinates x has the coordinates C x in F.
+        // In the hand frame F of the file, a point with hand coordinates x has the coordinates C x.
         let c = convention.from_hand();
         assert!((c.determinant() - 1.0).abs() < 1e-15, "{text} mirrors");
         assert_eq!((c * DVec3::X, c * DVec3::Z), (convention.closing.vector(), convention.approach.vector()));
@@ -680,14 +687,14 @@ fn grasps_of_other_conventions_are_the_same_grasps() {
             builder.write(&path).unwrap();
             let loaded = load(scene(dir.path(), &format!("File(path: \"g.h5\", convention: {text})"))).unwrap();
             alike(&poses_of(&loaded.scene).unwrap(), &wanted, 1e-12);
-            // What `check` prints loads as the same scene.
+            // The complete scene that `check` prints loads as the same scene.
             let again = tactus::scene::from_ron(&tactus::scene::to_ron(&loaded.scene).unwrap()).unwrap();
             assert_eq!(again, loaded.scene);
         }
     }
 }
 
-/// Files of ACRONYM hold the grasps of a scaled object: the scale is taken over, and a scene may state its own.
+/// ACRONYM files hold grasps of a scaled object: their scale applies, unless the scene gives one.
 #[test]
 fn the_scale_of_an_acronym_file_is_that_of_the_object() {
     let dir = tempfile::tempdir().unwrap();
@@ -774,7 +781,7 @@ fn matrices_that_are_no_poses_are_refused() {
 #[test]
 fn every_command_tells_of_grasps_that_miss() {
     let dir = tempfile::tempdir().unwrap();
-    // Quaternions x y z w in a file that is read as w x y z.
+    // Quaternions (x, y, z, w) in a file that is read as (w, x, y, z).
     let swapped: Vec<f64> = around()
         .iter()
         .flat_map(|p| {
@@ -804,7 +811,8 @@ fn every_command_tells_of_grasps_that_miss() {
 fn check_and_run_say_the_same_of_what_cannot_start() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.ron");
-    // A leaf of 0.4 mm at the rim of domed pads, whose middles meet before it is touched; a block wider than the opening.
+    // A plate 0.4 mm thick at the rim of domed pads, which meet at their centres before they touch it; a block wider
+    // than the opening.
     for (object, pads, says) in [
         (
             "shape: Cuboid(size: (0.0004, 0.03, 0.004))",
@@ -853,7 +861,7 @@ fn what_is_no_regular_file_is_refused_at_once() {
     });
 }
 
-/// Runs a Python script with h5py in `dir`; false, and a word about it, where there is none.
+/// Runs a Python script with h5py in `dir`. Without Python or h5py it reports a skipped test and returns false.
 fn h5py(dir: &Path, script: &str) -> bool {
     let out = Command::new("python3").arg("-c").arg(script).current_dir(dir).output();
     match out {
@@ -930,7 +938,7 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     for name in ["big.h5", "lzf.h5", "sums.h5"] {
         alike(&read(name).unwrap(), &expected, 1e-12);
     }
-    // Old files with a soft link cannot be listed.
+    // Datasets cannot be listed in files of the old format that have a soft link.
     for (name, says) in [("soft.h5", "dataset: \"group/name\""), ("soft_latest.h5", "dataset: \"grasps/data\"")] {
         let error = read(name).unwrap_err();
         assert!(error.contains("links are not followed") && error.contains(says), "{error}");
@@ -946,7 +954,8 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     assert!(error.contains("chunks of 3204 MiB"), "{error}");
 }
 
-/// One damage: flipped bytes, a cut, doubled bytes, a number made huge, bytes of another kind.
+/// Damages `bytes` once: flipped bits, truncation, repeated bytes, an inserted huge number, bytes set to 0xff, or
+/// deleted bytes.
 fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
     let at = random.below(bytes.len());
     match random.below(6) {
@@ -1035,7 +1044,7 @@ fn damaged_meshes_and_grasp_files_are_read_or_refused_by_name() {
     assert!(all >= 500 && refused > all / 3, "{refused} of {all} damages are refused");
 }
 
-/// Models of version 0.1 are refused with what takes their place.
+/// Models of version 0.1 are refused with a message that names their replacement.
 #[test]
 fn models_of_former_versions_name_their_successor() {
     let dir = tempfile::tempdir().unwrap();

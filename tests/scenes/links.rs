@@ -1,8 +1,8 @@
-//! Links of the documents: every file that one names is there, and so is every heading.
+//! Every link of a document leads to an existing file and heading.
 
 use std::path::{Path, PathBuf};
 
-/// README and its siblings, and all of `docs`.
+/// Markdown files of the repository root, of `docs` and of `tests/data/reference`.
 fn documents() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = [root.to_path_buf(), root.join("docs"), root.join("tests/data/reference")];
@@ -12,13 +12,14 @@ fn documents() -> Vec<PathBuf> {
     found
 }
 
-/// A document without blocks of code.
+/// Text of a document without its code blocks.
 fn prose(path: &Path) -> String {
     let text = std::fs::read_to_string(path).unwrap();
     text.split("\n```").step_by(2).collect::<Vec<_>>().join("\n")
 }
 
-/// Anchors of the headings, as GitHub makes them: lower case, without punctuation, hyphens for spaces; a second one of a name ends in `-1`.
+/// Anchors of the headings as on GitHub: lower case, no punctuation, hyphens for spaces; repeated ones end in `-1`,
+/// `-2` and so on.
 fn anchors(path: &Path) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for heading in prose(path).lines().filter(|line| line.starts_with('#')) {

@@ -1,4 +1,4 @@
-//! Scenes: how they are read, and what every shipped one promises.
+//! Scenes: reading of scene files, and the expectations of every shipped scene.
 
 #[path = "../fixtures/common.rs"]
 mod common;

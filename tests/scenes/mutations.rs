@@ -1,7 +1,7 @@
-//! Mutations of the shipped scenes, seeded: whatever stands in a scene, the program ends by itself with one of its codes, in bounded
-//! time and memory, and a refusal says where.
+//! Seeded mutations of the shipped scenes: for any scene text, the program exits with one of its codes in bounded time
+//! and memory, and an error message gives the place in the file.
 //!
-//! `TACTUS_MUTATIONS=3000 cargo test --release --test scenes mutations::` runs so many; without it a quick part runs.
+//! `TACTUS_MUTATIONS=3000 cargo test --release --test scenes mutations::` runs 3000 of them; the default is [`QUICK`].
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -11,25 +11,26 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tactus::base::random::Random;
 
-/// Mutations of the quick part.
+/// Default number of mutations.
 const QUICK: usize = 100;
-/// Address space of a child, MB.
+/// Address space limit of a child, MB.
 const MEMORY: u64 = 6000;
-/// Processor time of a child, s: what a hang would go beyond, however busy the machine is.
+/// Processor time limit of a child, s, which does not depend on the load of the machine.
 const SECONDS: u64 = 20;
-/// Signal of a process that has used up its processor time.
+/// Signal that ends a process beyond its processor time limit.
 const SIGXCPU: i32 = 24;
-/// Wall time after which a child hangs without computing.
+/// Wall time limit of a child, for hangs that use no processor time.
 const HANG: Duration = Duration::from_secs(600);
-/// Scenes of so many grasps that checking them all takes long by itself.
+/// Scenes with too many grasps to check all of them here.
 const LARGE: [&str; 5] = ["paper.ron", "paper_small.ron", "data.ron", "second_sensor.ron", "shapes.ron"];
 
-/// One of the choices.
+/// Draws one of `choices`.
 fn of<'a>(random: &mut Random, choices: &[&'a str]) -> &'a str {
     choices[random.below(choices.len())]
 }
 
-/// Words, numbers, texts and signs; what lies between belongs to the one before it.
+/// Splits a text into words, numbers, strings and punctuation; white space and comments belong to the token before
+/// them.
 fn tokens(text: &str) -> Vec<String> {
     let mut found: Vec<String> = vec![String::new()];
     let mut chars = text.chars().peekable();
@@ -62,7 +63,7 @@ fn is_number(token: &str) -> bool {
     token.trim().parse::<f64>().is_ok()
 }
 
-/// One change of a scene's text.
+/// Applies one random change to the text of a scene.
 fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
     let mut parts = tokens(text);
     if text.is_empty() || parts.is_empty() {
@@ -102,7 +103,7 @@ fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
             parts.swap(at, other);
         }
         8 => {
-            // A field taken out, or given twice.
+            // Removes or duplicates a field.
             let fields: Vec<usize> = (1..parts.len()).filter(|i| parts[*i].trim() == ":").collect();
             if let Some(colon) = fields.get(random.below(fields.len())) {
                 let end = (*colon..parts.len()).find(|i| parts[*i].trim() == ",").unwrap_or(parts.len() - 1);
@@ -145,7 +146,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Waits for the end; kills what hangs.
+/// Waits for the end of a child; kills it after [`HANG`] and returns None.
 fn wait(mut child: Child) -> Option<std::process::Output> {
     let clock = Instant::now();
     while clock.elapsed() < HANG {
@@ -158,7 +159,7 @@ fn wait(mut child: Child) -> Option<std::process::Output> {
     None
 }
 
-/// Whether a text names a place of a file, `name:line:column`.
+/// True if a text contains a place in a scene file, `name.ron:line:column`.
 fn has_place(text: &str) -> bool {
     let number = |part: Option<&str>| part.is_some_and(|p| p.starts_with(|c: char| c.is_ascii_digit()));
     text.match_indices(".ron:").any(|(at, found)| {
@@ -167,7 +168,8 @@ fn has_place(text: &str) -> bool {
     })
 }
 
-/// What is wrong with how the program took a scene. A solve that is not `bounded` may take as long as it likes.
+/// Returns how the program violates its contract on a scene, if it does. Unless `bounded`, it may exceed its processor
+/// time limit.
 fn complaint(scene: &Path, command: &[&str], bounded: bool) -> Option<String> {
     let limits = format!("ulimit -v {}; ulimit -S -t {SECONDS}; exec \"$0\" \"$@\"", MEMORY << 10);
     let out = scene.with_extension("out");
@@ -190,12 +192,12 @@ fn complaint(scene: &Path, command: &[&str], bounded: bool) -> Option<String> {
     match done.status.code() {
         _ if error.contains("panicked") => Some(format!("panics: {error}")),
         Some(0 | 1) => None,
-        // Starts that are refused are findings, not errors.
+        // Starts that are refused are findings of the check.
         Some(2) if said.contains("problem: ") => None,
         Some(2) if has_place(&error) => None,
-        // An option that does not go with the scene is the place.
+        // An option that is incompatible with the scene is named instead of a place.
         Some(2) if error.starts_with("error: --") => None,
-        // What concerns the file as a whole has no line.
+        // An error that concerns the whole file has no line.
         Some(2) if error.starts_with("error: ") && error.contains("mutant") => None,
         Some(2) => Some(format!("no place: {error}")),
         None if !bounded && done.status.signal() == Some(SIGXCPU) => None,

@@ -1,4 +1,5 @@
-//! What the outcome of a grasp says: reached is sound, dropped is no fault, every grasp ends, and none of it needs a reader of stderr.
+//! Outcomes of grasps: only a valid state counts as reached, a drop is not a fault, every grasp ends, and none depends
+//! on a writable stderr.
 
 use crate::common::{Press, Setup, pad_body};
 use glam::DVec3;
@@ -44,7 +45,7 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// A gel of 1 kPa under 4 N: flattened until corners of its elements turn inside out, which no quadrature point sees.
+/// A gel of 1 kPa under 4 N: corners of elements invert while det F at all quadrature points stays positive.
 const CRUSHED: &str = "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 4.0, frames: 3),
     gripper: (pads: GelSightMini(spacing: 6e-3), material: NeoHookean(young: 1e3, poisson: 0.45), opening: 0.08, friction: 0.8))";
 
@@ -75,7 +76,7 @@ fn the_table_and_the_audit_mean_one_det_f() {
     assert!((seen - audited).abs() < 1e-12, "solver {seen}, audit {audited}");
 }
 
-/// A slick ellipsoid held at its end by the rims of the pads.
+/// A frictionless ellipsoid held at its end by the rims of the pads.
 const SLICK: &str = "object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
     gripper: (pads: GelSightMini(spacing: 4e-3), friction: 0.0), grasps: List([(position: (0, 0, -0.125))]),
     loading: Squeeze(force: 6.0, frames: 3), record: (fields: [])";
@@ -188,7 +189,7 @@ fn a_stderr_that_cannot_be_written_changes_nothing() {
     let (missing, path, out) = (dir.path().join("nothing.ron"), dir.path().join("s.ron"), dir.path().join("out"));
     assert_eq!(run(&["run", text(&missing)], full()), Some(2), "an error");
     assert_eq!(run(&["run"], full()), Some(2), "wrong arguments");
-    // What is said before the work starts does not keep it from starting.
+    // A notice that cannot be written does not prevent the work.
     let misses = "grasps: List([(position: (0, 0.2, -0.1))])";
     let scene = format!(
         "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), {misses}, loading: Squeeze(force: 1, frames: 1))"
@@ -196,7 +197,7 @@ fn a_stderr_that_cannot_be_written_changes_nothing() {
     std::fs::write(&path, scene).unwrap();
     assert_eq!(run(&["dataset", text(&path), "-o", text(&out)], full()), Some(1), "one grasp that misses");
     assert!(out.join("manifest.json").exists());
-    // A pipe that nobody reads any more.
+    // A pipe whose reading end is closed.
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     assert_eq!(run(&["run", text(&missing)], Stdio::from(writer)), Some(2));

@@ -1,7 +1,8 @@
-//! Real objects with their own grasp sets: free objects squeezed to 15 N at friction 0.8.
+//! Meshes of real objects with their grasp sets: free objects squeezed to 15 N at friction 0.8.
 //!
-//! By default one grasp of each object; `TACTUS_ALL_GRASPS=1 cargo test --release --test scenes real_grasps:: -- --nocapture` runs all
-//! hundred of each and prints every grasp that does not reach the force, with its reason.
+//! By default one grasp of each object runs;
+//! `TACTUS_ALL_GRASPS=1 cargo test --release --test scenes real_grasps:: -- --nocapture` runs all hundred of each. Each
+//! grasp that does not reach the force is printed with its reason.
 
 use crate::skipped::data;
 use tactus::backend::choose;
@@ -12,8 +13,8 @@ use tactus::record::Status;
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
 
-/// The grasp that stands for each object, and the share of all hundred that must reach the force. No share is promised for
-/// the lemon: many of its grasps hold only a tip and slip off.
+/// Object, index of its representative grasp, and fraction of all admitted grasps that must reach the force. The
+/// fraction is zero for the lemon: many of its grasps hold only a tip and slip off.
 const OBJECTS: [(&str, usize, f64); 4] =
     [("sphere01", 0, 0.99), ("lemon01", 12, 0.0), ("cuboid02", 0, 0.99), ("6polygon01", 0, 0.99)];
 

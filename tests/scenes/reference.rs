@@ -1,6 +1,6 @@
-//! `docs/scene-reference.md` is made from the schema: every field with its type, default and meaning.
+//! `docs/scene-reference.md` is generated from the schema: every field with its type, default and meaning.
 //!
-//! `TACTUS_WRITE_DOCS=1 cargo test --release --test scenes reference::` writes it anew.
+//! `TACTUS_WRITE_DOCS=1 cargo test --release --test scenes reference::` regenerates it.
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,9 +13,9 @@ use tactus::scene;
 struct Item {
     is_enum: bool,
     docs: String,
-    /// Name, type (of a variant: what it holds), default, meaning.
+    /// Name, type (for a variant: type of its content), default and meaning of each field.
     fields: Vec<[String; 4]>,
-    /// Missing fields take their defaults from the struct.
+    /// True if missing fields take their values from the default of the struct.
     defaulted: bool,
 }
 
@@ -25,7 +25,7 @@ fn schema_files(dir: &Path) -> Vec<PathBuf> {
     found.into_iter().flat_map(|path| if path.is_dir() { schema_files(&path) } else { vec![path] }).collect()
 }
 
-/// Value of a constant as a scene writes it: `Positive::preset(1.0)` is 1.
+/// Value of a constant in scene syntax: `Positive::preset(1.0)` is 1.
 fn value(code: &str) -> String {
     let code = code.trim().trim_end_matches([',', ';']);
     let inner = ["Tuple([", "::preset(", "::preset3(", "::preset_size("].iter().find_map(|mark| code.split_once(mark));
@@ -41,12 +41,12 @@ fn value(code: &str) -> String {
     }
 }
 
-/// A literal without the digits that say nothing.
+/// A numeric literal in its shortest form.
 fn number(text: &str) -> String {
     text.parse::<f64>().map_or(text.to_string(), |v| format!("{v}"))
 }
 
-/// Defaults of the types that have one, as the crate writes them.
+/// Default values of the types that have one, serialised by the crate.
 fn defaults() -> BTreeMap<&'static str, Value> {
     macro_rules! defaults {
         ($($module:ident: $($name:ident)*;)*) => {
@@ -74,7 +74,7 @@ fn defaults() -> BTreeMap<&'static str, Value> {
     }
 }
 
-/// A default as a scene writes it. A value with fields, all of them as by default, is `()`.
+/// A default value in scene syntax: a struct is `()`, a variant with fields `Name()`.
 fn written(value: &Value, items: &BTreeMap<String, Item>, of: &str) -> String {
     let inner =
         ["Option<", "Vec<"].iter().find_map(|wrapper| of.strip_prefix(wrapper)?.strip_suffix('>')).unwrap_or(of);
@@ -104,7 +104,7 @@ fn written(value: &Value, items: &BTreeMap<String, Item>, of: &str) -> String {
     }
 }
 
-/// What may be written for a type of the schema.
+/// Description of the values that a type of the schema accepts.
 fn kind(name: &str) -> String {
     let inside = |wrapper: &str| name.strip_prefix(wrapper).and_then(|rest| rest.strip_suffix('>'));
     if let Some(of) = inside("Option<") {
@@ -146,13 +146,13 @@ fn kind(name: &str) -> String {
     .into()
 }
 
-/// Address of a heading within a page, as GitHub makes it.
+/// Anchor of a heading, as on GitHub.
 fn anchor(heading: &str) -> String {
     let kept = heading.to_lowercase().replace(' ', "-");
     kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, '-' | '_')).collect()
 }
 
-/// Name of a type in messages and in this page: that of the scene, where the code has another one.
+/// Name of a type in messages and on the page, where it differs from that in the code.
 fn shown(name: &str) -> &str {
     match name {
         "ObjectShape" => "Shape",
@@ -168,7 +168,7 @@ fn shown(name: &str) -> &str {
     }
 }
 
-/// Values of the constants of the schema by name, and of those that serde calls by the name of their function.
+/// Values of the constants of the schema, by their names, and by the names of the functions that serde calls for them.
 fn constants() -> (BTreeMap<String, String>, BTreeMap<String, String>) {
     let (mut constants, mut functions) = (BTreeMap::new(), BTreeMap::new());
     let sources =
@@ -230,7 +230,7 @@ fn items() -> BTreeMap<String, Item> {
                     open = Some(("Motion".into(), indent));
                 }
                 (Some((_, at)), _) if trimmed == "}" && indent == *at => open = None,
-                // What no file can give.
+                // Fields that a file cannot give.
                 (Some(_), None) if attributes.contains("serde(skip)") => {}
                 (Some((name, _)), None) if !trimmed.is_empty() && !trimmed.starts_with("//") => {
                     let item = items.get_mut(name).unwrap();
@@ -274,7 +274,7 @@ fn items() -> BTreeMap<String, Item> {
             let of_type =
                 || known.get(name.as_str()).unwrap_or_else(|| panic!("the default of {name} is not in the list"));
             let own = item.defaulted.then(of_type);
-            // A file may leave out all of a scene but these two: see `ScenePart::complete`.
+            // These two fields of a scene are required: see `ScenePart::complete`.
             let optional = name == "Scene" && !["object", "loading"].contains(&field.as_str());
             values.push(match own {
                 Some(own) => written(own.get(field).unwrap_or(&Value::Null), &items, of),
@@ -289,21 +289,21 @@ fn items() -> BTreeMap<String, Item> {
     items
 }
 
-/// Stands for the default of a field's type until that is known.
+/// Placeholder for the default of a field's type, replaced after all types are read.
 const USUAL: &str = "the default of the type";
 
-/// Types that a type names.
+/// Names of the types that occur in a type.
 fn named(of: &str) -> impl Iterator<Item = String> + '_ {
     of.split(|c: char| !c.is_alphanumeric()).filter(|name| name.starts_with(char::is_uppercase)).map(str::to_string)
 }
 
-/// A doc comment as the cell of a table: a link to a constant is its value, and one to other code is left out.
+/// A doc comment as a table cell: a link to a constant becomes its value, a link to other code with a path is removed.
 fn cell(text: &str) -> String {
     let (constants, _) = constants();
     let mut out = String::new();
     let mut rest = text;
     while let Some((before, (name, after))) = rest.split_once("[`").and_then(|(b, r)| Some((b, r.split_once("`]")?))) {
-        // The address of a link, in parentheses.
+        // Skips the address of a link, in parentheses.
         let after = after.strip_prefix('(').and_then(|r| r.split_once(')')).map_or(after, |(_, r)| r);
         let last = name.rsplit("::").next().unwrap_or(name);
         match constants.get(last) {
@@ -364,7 +364,7 @@ fn the_page_is_that_of_the_schema() {
     );
 }
 
-/// Fields whose defaults a user relies on stand there with their value, and every default is one that a scene can hold.
+/// The page shows the values of important defaults, and every default is in scene syntax.
 #[test]
 fn the_page_has_the_values_of_defaults() {
     let page = page();

@@ -1,4 +1,4 @@
-//! The command line: exit codes, what goes to which stream.
+//! The command line: exit codes, and which output goes to which stream.
 
 use std::process::{Command, Output};
 
@@ -36,7 +36,8 @@ fn refusals_go_to_stderr_with_code_two() {
     }
 }
 
-/// The finite elements close by 0.657 mm on the ball of the quickstart; the network that ships by that to within 5 %.
+/// On the ball of the quickstart the fingers of the shipped network travel by 0.657 mm, the result of the finite
+/// elements, to within 5 %.
 #[test]
 fn the_network_that_ships_presses_the_ball_of_the_quickstart() {
     let arguments = ["run", "scenes/quickstart.ron", "--backend", "gnn", "--no-pictures", "--format", "json"];

@@ -1,4 +1,4 @@
-//! Broken scenes: each gives one message that says what is wrong, where (line and column) and what is allowed.
+//! Each invalid scene gives one message with the error, its place (line and column) and the allowed values.
 
 use std::path::Path;
 use tactus::scene::load;
@@ -6,7 +6,7 @@ use tactus::scene::load;
 const OBJECT: &str = "object: (shape: Sphere(radius: 0.02)),";
 const LOADING: &str = "loading: Squeeze(force: 15),";
 
-/// Loads `text` as `broken.ron` in a folder of its own and returns the error.
+/// Loads `text` as `broken.ron` in an empty folder and returns the error.
 fn error_of(text: impl AsRef<[u8]>) -> String {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("broken.ron");
@@ -14,7 +14,7 @@ fn error_of(text: impl AsRef<[u8]>) -> String {
     load(&path).expect_err("this scene must be refused").to_string()
 }
 
-/// A scene whose line 3 is `line`; the error must stand at `3:column` and say all of `says`.
+/// Asserts that a scene whose line 3 is `line` gives an error at `3:column` that contains all of `says`.
 #[track_caller]
 fn line_three(line: &str, column: usize, says: &[&str]) {
     refused(&format!("(\n{OBJECT}{LOADING}\n{line}\n)"), 3, column, says);
@@ -46,7 +46,7 @@ fn unknown_fields_list_the_allowed_ones() {
     line_three("grasps: Antipodal(count: 3, sed: 4),", 29, &["did you mean `seed`?"]);
 }
 
-/// Fields of former versions name their successors.
+/// The error on a field of a former version names its replacement.
 #[test]
 fn former_fields_name_their_successors() {
     line_three(
@@ -56,7 +56,7 @@ fn former_fields_name_their_successors() {
     );
 }
 
-/// Parentheses that hold one value have no fields: the message says where a field stands.
+/// Parentheses that hold one value have no fields; the message shows the correct place of a field.
 #[test]
 fn fields_beside_a_single_value_are_shown_their_place() {
     let beside = "fields of object stand beside `shape`: `shape: Mesh(...), scale: ...`";

@@ -1,4 +1,4 @@
-//! Expectations: what holds, what does not, and that nothing holds of what was not measured.
+//! Evaluation of expectations: they hold or fail as measured, and fail where nothing was measured.
 
 use tactus::model::judge::{Findings, Measured, Verdict, evaluate, evaluate_all};
 use tactus::record::Status;
@@ -59,7 +59,7 @@ fn the_violated_bound_is_shown() {
     assert_eq!((held.held, held.value, held.bound, &*held.unit), (false, Some(1.7e-3), Some(1.6e-3), "m"));
     let held = judge("Force(at_least: 16, at_most: 20)", &good());
     assert_eq!((held.held, held.value, held.bound, &*held.unit), (false, Some(15.0), Some(16.0), "N"));
-    // the first finger breaks it, the second does not
+    // the first finger violates the bound, the second does not
     let held = judge("Travel(at_least: 1.6e-3)", &good());
     assert_eq!((held.held, held.value), (false, Some(1.5e-3)));
     // a press with one finger has one travel

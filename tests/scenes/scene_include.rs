@@ -1,4 +1,4 @@
-//! Includes: merging, who wins, and what is refused.
+//! Includes: merging, precedence, and invalid includes.
 
 use std::path::Path;
 use tactus::scene::{Loading, ObjectShape, Pads, load};

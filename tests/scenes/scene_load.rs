@@ -1,4 +1,4 @@
-//! Scenes that load: the shipped ones, the defaults, both spellings of everything that has two.
+//! Valid scenes: the shipped ones, defaults, and alternative spellings.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -51,12 +51,12 @@ fn a_file_of_several_objects_is_one_scene_for_each() {
     let refused = |object| load_object(&path, object).unwrap_err().to_string();
     assert!(refused(None).contains("choose one with --object: ball, lemon"));
     assert!(refused(Some("pear")).contains("has no object \"pear\"; it has: ball, lemon"));
-    // a file of one object names it after itself
+    // the only object of a file is named after the file
     let set = load_set(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/press_sphere.ron")).unwrap();
     assert_eq!(set.scenes[0].name.as_str(), "press-sphere");
 }
 
-/// Frames are at equal steps of force from the first one, which is a step itself where none is given; the last is met exactly.
+/// Frames are at equal force steps from `from`, by default one step; the last frame is exactly at `force`.
 #[test]
 fn a_squeeze_begins_where_it_is_told() {
     let levels = |squeeze: &str| {
@@ -89,7 +89,7 @@ fn defaults_survive_being_written_out() {
 
 #[test]
 fn defaults_pass_their_own_checks() {
-    // what is written out is read through the checks again, so every default that is printed has passed
+    // the printed scene is checked when it is read, and with it every default
     for shape in ["Lemon()", "Strawberry()", "Banana()", "Potato()", "Pear()", "Cuboid(size: (0.1, 0.1, 0.1))"] {
         let scene = scene_of(&SMALLEST.replace("Sphere(radius: 0.02)", shape));
         assert_eq!(scene, scene_of(&to_ron(&scene).unwrap()));
@@ -128,7 +128,7 @@ fn materials_come_down_to_young_and_poisson() {
     let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b, "{a} {b}");
     let gel = MaterialChoice::default().spec();
     assert_eq!((gel.law, gel.poisson), (Law::NeoHookean, 0.49));
-    // E = 6 C10 for an incompressible gel; here nu is a little less
+    // E = 6 C10 for an incompressible gel; nu is 0.49 here
     close(gel.young, 0.435e6 * 1.49 / 1.5);
     let same = scene_of(&SMALLEST.replacen('(', "(gripper: (material: NeoHookeanC10(c10: 72500, poisson: 0.49)),", 1));
     assert_eq!(same.gripper.material.spec(), gel);
@@ -144,7 +144,7 @@ fn a_byte_order_mark_and_windows_lines_are_fine() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Whatever is cut, doubled or replaced in a scene: an answer, never a panic.
+    /// A scene with any part cut out or replaced loads or gives an error, and never panics.
     #[test]
     fn damaged_scenes_never_panic(
         which in 0usize..100, at in 0.0f64..1.0, length in 0usize..30,

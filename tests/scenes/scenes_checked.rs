@@ -1,24 +1,25 @@
-//! Scenes before anything runs: each shipped one is checked, tried and planned; those that are too large, too long or no files are
-//! refused at once, in words.
+//! Each shipped scene passes `check`, runs one frame and is planned as a data set; scenes that are too large or not
+//! regular files are refused quickly with a message.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Mutex;
 use tactus::scene::load_set;
 
-/// Processor time in which a check or a hostile scene is answered, s: a busy machine makes no difference to it.
+/// Processor time limit of a check or of the refusal of a hostile scene, s, which does not depend on the load of the
+/// machine.
 const SECONDS: u64 = 20;
 
 fn tactus(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
 }
 
-/// The same with an address space of `megabytes` and [`SECONDS`].
+/// As [`tactus`], with an address space of `megabytes` and the processor time [`SECONDS`].
 fn within(megabytes: u64, arguments: &[&str]) -> Output {
     limited(&format!("ulimit -v {} && ulimit -t {SECONDS}", megabytes << 10), arguments)
 }
 
-/// The same under `limits` of the shell.
+/// As [`tactus`], after the shell commands `limits`.
 fn limited(limits: &str, arguments: &[&str]) -> Output {
     let limited = format!("{limits} && exec \"$0\" \"$@\"");
     Command::new("sh")
@@ -39,7 +40,7 @@ fn file(dir: &Path, name: &str, text: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Refused with code 2 in less than [`SECONDS`] and 3 GB; the message says all of `says`.
+/// Asserts that a command exits with code 2 within [`SECONDS`] and 3 GB, with a message that contains all of `says`.
 #[track_caller]
 fn refused_at_once(arguments: &[&str], says: &[&str]) {
     let out = within(3000, arguments);
@@ -55,7 +56,7 @@ fn all() -> Vec<PathBuf> {
     crate::promises::scenes(&crate::promises::shipped(), &["meshes"])
 }
 
-/// Calls `each` with every scene, two at a time, and gathers what it complains about.
+/// Calls `each` with every scene on two threads and collects the complaints that it returns.
 fn complaints(scenes: Vec<PathBuf>, each: impl Fn(&str) -> Option<String> + Sync) -> Vec<String> {
     let (queue, found) = (Mutex::new(scenes), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
@@ -72,7 +73,7 @@ fn complaints(scenes: Vec<PathBuf>, each: impl Fn(&str) -> Option<String> + Sync
     found.into_inner().unwrap()
 }
 
-/// A code that is none of `codes`, or a panic.
+/// Complaint about an exit code that is not one of `codes`.
 fn other(out: &Output, codes: &[i32]) -> Option<String> {
     let fine = out.status.code().is_some_and(|code| codes.contains(&code));
     (!fine).then(|| format!("{:?}: {}", out.status.code(), errors(out)))
@@ -81,22 +82,22 @@ fn other(out: &Output, codes: &[i32]) -> Option<String> {
 #[test]
 fn every_shipped_scene_is_checked() {
     let found = complaints(all(), |scene| {
-        // A check answers within seconds, whatever the number of objects and grasps.
+        // A check takes seconds for any number of objects and grasps.
         let out = limited(&format!("ulimit -t {SECONDS}"), &["check", scene]);
         let text = String::from_utf8_lossy(&out.stdout);
-        // Some are there to show a start that is refused.
+        // Some scenes demonstrate a start that is refused.
         let codes: &[i32] = if text.contains("Infeasible(") || text.contains("problem: ") { &[0, 2] } else { &[0] };
         other(&out, codes).or_else(|| (!text.contains("grasps can start")).then(|| "no findings".into()))
     });
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Those of `torture` and `dynamic` run whole in the tests `torture` and `scenes`.
+/// Scenes of `torture` and `dynamic` run completely in `torture.rs` and `shipped.rs`.
 #[test]
 fn every_shipped_scene_runs_one_frame() {
     let found =
         complaints(crate::promises::scenes(&crate::promises::shipped(), &["meshes", "torture", "dynamic"]), |scene| {
-            // Of a large set one object: that `run` takes one after the other is said below.
+            // One object of a large set is enough: a test below covers runs of several objects.
             let set = load_set(scene).unwrap();
             let object = set.scenes[0].name.as_str();
             let first = if set.scenes.len() > 3 { &["--object", object][..] } else { &[] };
@@ -115,7 +116,7 @@ fn every_shipped_scene_is_planned_as_a_data_set() {
     let out = dir.path().join("set");
     let found = complaints(all(), |scene| {
         let planned = tactus(&["dataset", scene, "-o", out.to_str().unwrap(), "--dry-run"]);
-        // What pads feel is what a data set holds.
+        // A data set records the contact of the pads, so it needs fingers.
         if errors(&planned).contains("needs pads, and the scene has none") {
             let bare = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("fingers: r#None");
             return other(&planned, &[2]).or_else(|| (!bare).then(|| "has fingers".into()));
@@ -199,7 +200,7 @@ fn pads_that_do_not_fit_into_memory_are_refused_before_they_are_meshed() {
         );
         file(dir.path(), &format!("spacing_{spacing}.ron"), &text)
     };
-    // Its factors alone are some 60 GB each.
+    // Each factorisation alone takes about 60 GB.
     let fine = scene("3e-4");
     let set = dir.path().join("set");
     for arguments in
@@ -238,10 +239,10 @@ fn hostile_texts_are_refused_in_bounded_time_and_memory() {
     let check = |name: &str, text: &str, says: &[&str]| {
         refused_at_once(&["check", &file(dir.path(), name, text)], says);
     };
-    // A long key times a long list: 14 GB where each element had its own path.
+    // A long key of a long list takes 14 GB if each element stores its own path.
     let (key, list) = ("k".repeat(300_000), "0,".repeat(150_000));
     check("key.ron", &format!("({object}, {key}: [{list}])"), &["unknown field `kkk", "key.ron:1:69"]);
-    // Objects times what they share.
+    // Each object gets a copy of the shared expectations.
     let objects = |n: usize| -> String {
         (0..n).map(|i| format!("(name:\"o{i}\",object:(shape:Sphere(radius:0.02))),")).collect()
     };
@@ -357,7 +358,7 @@ fn a_check_tries_the_first_thousand_grasps() {
     assert!(text.contains(" of 1000 grasps can start; 500 more were not tried"), "{text}");
 }
 
-/// The estimate knows the numbers of nodes and unknowns of a grid before it is made.
+/// The size estimate equals the numbers of nodes and unknowns of the generated grid.
 #[test]
 fn the_size_of_a_pad_is_known_before_it_is_meshed() {
     use tactus::geometry::pad::{Resolution, box_pad};

@@ -1,4 +1,4 @@
-//! Every shipped scene runs and keeps its promises; the torture scenes have a test of their own.
+//! Every shipped scene runs and meets its expectations; the torture scenes are tested in `torture.rs`.
 
 #[test]
 fn every_scene_keeps_its_promises() {

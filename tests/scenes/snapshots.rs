@@ -1,4 +1,4 @@
-//! A state that is written and read goes on as if nothing had happened, bit for bit.
+//! A simulation continues bit for bit from a state that was written and read.
 
 use std::path::Path;
 use tactus::backend::choose;
@@ -9,10 +9,11 @@ use tactus::record::Frame;
 use tactus::scene::{Gnn, Scene, StepperChoice, load};
 use tactus::world::environment::Environment;
 
-/// Frames that are run in all.
+/// Number of frames that run in total.
 const FRAMES: usize = 6;
 
-/// Runs the scene up to some frame, moves the state into a fresh world, and compares what follows with a run without a break.
+/// Transfers the state after 0, 1 and 3 frames into a new environment, and compares the following frames with those of
+/// the uninterrupted run.
 fn goes_on(scene: &str, change: impl Fn(&mut Scene)) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
     let mut scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;

@@ -1,4 +1,4 @@
-//! The last lines of `tests/all.sh`: what was skipped, why, and how many tests passed.
+//! The last lines of `tests/all.sh`: reasons for skipping, and numbers of tests.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -18,7 +18,8 @@ SKIPPED [1] ../../python/tests/test_viewer.py:18: no Chromium: none on the path
 2 failed, 30 passed, 4 skipped, 1 error in 33.04s
 ";
 
-/// A test that skips a part of itself counts as skipped once, not as passed, and a reason counts the tests that give it.
+/// A test that skips a part of itself counts once as skipped and not as passed; the count of a reason is the number of
+/// tests that give it.
 #[test]
 fn the_last_lines_count_what_was_skipped_and_why() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/summary.awk");

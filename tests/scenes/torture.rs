@@ -1,4 +1,4 @@
-//! Hard cases, each with its promise: by default those that take a second or two, all of them with
+//! Hard cases, each with its expectations: by default those that take a second or two, all of them with
 //! `TACTUS_ALL_SCENES=1 cargo test --release --test scenes torture:: -- --nocapture`.
 
 use crate::skipped::data;
@@ -16,7 +16,8 @@ fn hard_scenes_keep_their_promises() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
-/// Pads as others have meshed them: file, how it lies, further fields of the scene, and whether it is quick.
+/// Pad meshes from other programs: file, its orientation and bonding, further fields of the scene, and true if the case
+/// is quick.
 const PADS: [(&str, &str, &str, bool); 4] = [
     ("gelsight_mini_e430/tet.msh", "", "", true),
     ("gelsight_mini_875/tet.msh", "", "", false),

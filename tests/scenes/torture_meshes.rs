@@ -1,5 +1,5 @@
-//! The mesh files of the torture scenes are what the generators make, made worse. After a change of a generator write them
-//! anew: `TACTUS_WRITE_MESHES=1 cargo test --release --test scenes torture_meshes::`.
+//! The mesh files of the torture scenes are generated meshes with added defects. After a change of a generator,
+//! regenerate them with `TACTUS_WRITE_MESHES=1 cargo test --release --test scenes torture_meshes::`.
 
 use std::path::Path;
 use tactus::geometry::mesh::io::{read_tet_mesh, read_tet_mesh_raw, write_tet};
@@ -9,7 +9,7 @@ use tactus::geometry::pad::{Resolution, box_pad};
 
 const SIZE: [f64; 3] = [0.02525, 0.02075, 0.004];
 
-/// Pairs of grid lines a twentieth of a millimetre apart.
+/// A grid with one pair of lines 0.05 mm apart in each direction.
 fn slivers() -> TetMesh {
     let across = |n: usize, size: f64| -> Vec<f64> {
         let line = |i: usize| size * (i as f64 / n as f64 - 0.5);

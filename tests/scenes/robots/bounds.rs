@@ -1,11 +1,11 @@
-//! Bounds of descriptions: files that include each other, that never end or are none, elements that stand in each other without end.
+//! Bounds on robot descriptions: cyclic includes, files that never end or are not regular, elements nested too deeply.
 
 use super::{gripper_in, measures, read, refused};
 use std::fmt::Write;
 
 const PADS: [&str; 2] = ["left_gel", "right_gel"];
 
-/// The hand of the shipped scene as MJCF with `more` in it.
+/// MJCF file of the hand of the shipped scene with `more` before its `<worldbody>`.
 fn with(more: &str) -> String {
     let text = std::fs::read_to_string(super::shipped("franka_gelsight.xml")).unwrap();
     text.replace("<worldbody>", &format!("{more}<worldbody>"))
@@ -51,7 +51,8 @@ fn fifos_and_devices_are_refused_before_they_are_read() {
     }
 }
 
-/// Ten includes in each of twelve files would be 1e12 of them; models attached ten times in each other as many links.
+/// Ten includes in each of eleven nested files are 1e11 includes; models attached ten times at each level give as many
+/// links.
 #[test]
 fn includes_and_attached_models_that_multiply_end() {
     let mut files = vec![("a.xml".to_string(), with("<include file=\"1.xml\"/>"))];
@@ -80,7 +81,7 @@ fn elements_that_stand_in_each_other_without_end_are_refused() {
     let urdf = std::fs::read_to_string(super::shipped("franka_gelsight.urdf")).unwrap();
     let tags = urdf.replace("</robot>", &format!("{}</robot>", nested("a", 30_000)));
     refused(read(&[("a.urdf", &tags)], "fr3_hand", PADS), &["<a> stands in more than 256 elements"]);
-    // Files in the innermost element of files add up.
+    // The nesting depths of a file and of one included in its innermost element add up.
     let deep = |file: &str| {
         format!("<mujoco>{}</mujoco>", nested("frame", 200).replacen("</", &format!("<include file=\"{file}\"/></"), 1))
     };
@@ -89,7 +90,7 @@ fn elements_that_stand_in_each_other_without_end_are_refused() {
     refused(read(&files, "fr3_hand", PADS), &["c.xml:1:", "<frame> stands in more than 256 elements"]);
 }
 
-/// A robot of 30,000 joints is read as any other: each name is looked up, not searched for.
+/// A robot of 30,000 joints is read without a linear search for each name.
 #[test]
 fn a_robot_of_thirty_thousand_joints_is_read() {
     let urdf = std::fs::read_to_string(super::shipped("franka_gelsight.urdf")).unwrap();

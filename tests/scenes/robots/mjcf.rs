@@ -1,4 +1,4 @@
-//! MJCF as MuJoCo has it: includes, attached models, frames, classes, names of sites, joints that follow others.
+//! MJCF as in MuJoCo: includes, attached models, frames, classes, names of sites, coupled joints.
 
 use super::{measures, read, refused};
 use tactus::scene::Gripper;
@@ -32,14 +32,14 @@ fn files_included_anywhere_stand_where_mujoco_puts_them() {
     let body = world("<body name=\"palm\"><include file=\"parts/fingers.xml\"/></body>");
     let fingers = format!("<mujocoinclude>{FINGERS}</mujocoinclude>");
     measures(&read(&[("g.xml", &body), ("parts/fingers.xml", &fingers)], "palm", PADS).unwrap(), EXPECTED, 1e-12);
-    // A file in an included file: from the folder of the main one, or else of its own.
+    // The path in an included file starts at the folder of the main file, or else at that of the included one.
     for file in ["parts/hand.xml", "hand.xml"] {
         let nested = format!("<mujoco><include file=\"{file}\"/></mujoco>");
         let main = r#"<mujoco><include file="parts/nested.xml"/></mujoco>"#;
         let files = [("g.xml", main), ("parts/nested.xml", nested.as_str()), hand];
         measures(&read(&files, "palm", PADS).unwrap(), EXPECTED, 1e-12);
     }
-    // Settings of a later file count for an earlier one, as if all were one file.
+    // Compiler settings of a later file apply to an earlier one, as in a single file.
     let radian = world(&palm().replace("euler=\"0 20 0\"", "euler=\"0 0 0\""))
         .replace("quat=\"0 0 0 1\"", "euler=\"0 0 3.141592653589793\"");
     let main = r#"<mujoco><include file="hand.xml"/><include file="settings.xml"/></mujoco>"#;
@@ -67,7 +67,7 @@ fn attached_models_frames_and_the_world_carry_fingers() {
     measures(&load(r#"<attach model="h" prefix="a_"/>"#, "a_palm").unwrap(), EXPECTED, 1e-12);
     refused(load(r#"<attach model="i" prefix="a_"/>"#, "a_palm"), &["g.xml:2:", "names the model \"i\""]);
     refused(load(r#"<attach model="h" body="p" prefix="a_"/>"#, "a_palm"), &["\"h\" has no link \"body:p\""]);
-    // The hand is the world, and a frame turns joint and site of a body.
+    // The hand is the world body; then a frame rotates the joint and the site of each finger.
     measures(&read(&[("g.xml", &world(FINGERS))], "world", PADS).unwrap(), EXPECTED, 1e-12);
     let framed = FINGERS.replace("><joint", "><frame euler=\"90 0 0\"><joint").replace("</body>", "</frame></body>");
     let framed = framed.replace("axis=\"0 1 0\"", "axis=\"0 0 -1\"").replace("pos=\"0 0 0.05\"", "pos=\"0 0.05 0\"");
@@ -111,9 +111,9 @@ fn equalities_of_joints_couple_fingers_as_mimics_do() {
     let joint = |more: &str| format!("<joint joint1=\"jr\" joint2=\"jl\" {more}/>");
     measures(&coupled(free, &joint("")).unwrap(), EXPECTED, 1e-12);
     measures(&coupled(&free.replace("0 1 0", "0 -1 0"), &joint("polycoef=\"0 -1\"")).unwrap(), EXPECTED, 1e-12);
-    // Positions count from those in which the model is drawn.
+    // The polynomial relates displacements from the initial positions of the joints (`ref`).
     measures(&coupled(&format!("{free} ref=\"0.01\""), &joint("polycoef=\"0 1 0 0 0\"")).unwrap(), EXPECTED, 1e-12);
-    // The right finger goes half as far as the left one.
+    // The right finger travels half as far as the left one.
     measures(&coupled(free, &joint("polycoef=\"0 0.5 0 0 0\"")).unwrap(), [0.06, 0.03, 0.0, 0.11], 1e-12);
     refused(coupled(free, &joint("polycoef=\"0 1 3 0 0\"")), &["g.xml:", "polycoef of higher than first order"]);
     refused(coupled(free, &joint("active=\"false\"")), &["<joint name=\"jr\"> has no range", "as in range=\"0 0.04\""]);

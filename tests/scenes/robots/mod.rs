@@ -1,4 +1,4 @@
-//! Grippers that a robot's description names: URDF and MJCF say what a scene could spell out.
+//! Grippers from robot descriptions: URDF and MJCF files give the same gripper as explicit fields of a scene.
 
 mod bounds;
 mod mjcf;
@@ -13,7 +13,7 @@ fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/robots").join(name)
 }
 
-/// Writes a scene whose gripper has these fields, and loads it.
+/// Writes a scene whose gripper has these fields, loads it, and returns its complete text.
 fn scene(folder: &Path, gripper: &str) -> Result<String, String> {
     let path = folder.join("scene.ron");
     let text = format!("(object: (shape: Sphere(radius: 0.02)), gripper: ({gripper}), loading: Squeeze(force: 5))");
@@ -25,7 +25,7 @@ fn robot(path: &Path, more: &str) -> String {
     format!("robot: (path: {path:?}, hand: \"fr3_hand\", pads: (\"left_gel\", \"right_gel\")), {more}")
 }
 
-/// Writes `files`, each a name and a text, into an empty folder, and returns the gripper that the first one describes: the link `hand` with
+/// Writes `files` (name, text) into an empty folder, and returns the gripper of the first one with the link `hand` and
 /// these two pads.
 fn read(files: &[(&str, &str)], hand: &str, pads: [&str; 2]) -> Result<Gripper, String> {
     let folder = tempfile::tempdir().unwrap();
@@ -42,7 +42,7 @@ fn gripper_in(folder: &Path, file: &str, hand: &str, [left, right]: [&str; 2]) -
     Ok(load(folder.join("scene.ron")).unwrap().scene.gripper)
 }
 
-/// Says that opening, stroke, y and z of a gripper are these within `within`, m.
+/// Asserts that opening, stroke, y and z of a gripper are `expected` to within `within`, m.
 #[track_caller]
 fn measures(gripper: &Gripper, expected: [f64; 4], within: f64) {
     let place = &gripper.placement;

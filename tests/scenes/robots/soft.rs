@@ -1,4 +1,4 @@
-//! Soft pads of robots, in Isaac Gym's dialect of URDF.
+//! Soft pads in Isaac Gym's dialect of URDF.
 
 use super::{scene, shipped};
 use crate::skipped::data;
@@ -8,7 +8,8 @@ use tactus::scene::load;
 
 const SOFT: &str = "hand: \"hand\", pads: (\"left_pad\", \"right_pad\")";
 
-/// Isaac Gym's `<fem>` names mesh, gel and the distance from the finger's shape within which nodes are bonded.
+/// Isaac Gym's `<fem>` gives mesh, gel and the distance from the shape of the finger within which nodes are bonded. The
+/// pads are those of the equivalent scene: the same bonded nodes, positions to 1e-12 m.
 #[test]
 fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,18 +70,19 @@ fn soft_pads_that_say_too_little_are_refused_with_the_reason() {
     }
 }
 
-/// A Franka hand of Isaac Gym: its file says 1.57 for right angles, gives the two pads different gels, and closes by 80 mm.
+/// A Franka hand for Isaac Gym: its file writes 1.57 for right angles, has different gels on its pads, and an opening
+/// of 80 mm.
 #[test]
 fn a_hand_of_isaac_gym_is_read() {
     let Some(pads) = data("pads/round_pad") else { return };
     let urdf = std::fs::read_to_string(pads.join("franka_panda_fem_simple_v4_with_arm.urdf")).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    // Its meshes lie elsewhere, that of the fingers is not here, and a number of it is none.
+    // Replaces the paths of its meshes, the missing mesh of the fingers, and an invalid number.
     let mesh = pads.join("round_pad.tet");
     let urdf = urdf.replace("../meshes/custom/round_pad.tet", mesh.to_str().unwrap()).replace("1e9.0", "1e9");
     let shape = "franka_description/meshes/custom/full_fillet_finger.obj";
     let urdf = urdf.replace(shape, "plate.obj").replace("value=\"0.01\"", "value=\"1e-6\"");
-    // The face of the finger that the pad lies on.
+    // The face of the finger under the pad.
     let corners = ["-1 0.003 -1", "1 0.003 -1", "1 0.003 1", "-1 0.003 1"].map(|v| format!("v {v}\n")).concat();
     std::fs::write(folder.path().join("plate.obj"), format!("{corners}f 1 2 3 4\n")).unwrap();
     std::fs::write(folder.path().join("hand.urdf"), urdf).unwrap();
@@ -103,7 +105,7 @@ fn fingertips(changes: &[(&str, &str)]) -> Result<(), String> {
     scene(folder.path(), &format!("robot: (path: \"tips.urdf\", {SOFT})")).map(|_| ())
 }
 
-/// A surface that its scale flattens bonds what happens to lie in its plane, or nothing.
+/// A surface flattened by its scale would bond only nodes in its plane, or none, so it is refused.
 #[test]
 fn shapes_without_volume_and_words_that_are_no_numbers_are_refused_with_their_place() {
     let mesh = "core.obj\"/>";
@@ -123,13 +125,14 @@ fn shapes_without_volume_and_words_that_are_no_numbers_are_refused_with_their_pl
     }
 }
 
-/// The core is symmetric about its planes: its mirror image bonds the same nodes, unless it is taken inside out.
+/// A mirrored core is accepted: the core is symmetric, so its mirror image bonds the same nodes unless its orientation
+/// is inverted.
 #[test]
 fn a_mirrored_shape_is_the_mirror_image_and_not_inside_out() {
     fingertips(&[("core.obj\"/>", "core.obj\" scale=\"-1 1 1\"/>")]).unwrap();
 }
 
-/// A package of ROS keeps descriptions and meshes in two folders of it; `file://` is a path.
+/// A ROS package has descriptions and meshes in separate folders; `file://` precedes a path.
 #[test]
 fn meshes_are_found_in_packages_and_by_file_uris() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,7 +157,7 @@ fn meshes_are_found_in_packages_and_by_file_uris() {
     assert!(message.contains("no package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"), "{message}");
 }
 
-/// Copies the mesh of a pad and of its core into `folder`, which is created.
+/// Copies the meshes of a pad and of its core into the new folder `folder`.
 fn copy_pads(folder: &Path) {
     std::fs::create_dir_all(folder).unwrap();
     for name in ["fingertip.tet", "core.obj"] {
@@ -162,7 +165,7 @@ fn copy_pads(folder: &Path) {
     }
 }
 
-/// The variable lists packages, and folders of packages; the first that has the file counts. Without it the package is not found.
+/// `ROS_PACKAGE_PATH` lists packages and folders of packages. Without it the package is not found.
 #[test]
 fn packages_are_found_in_the_path_of_ros() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,10 @@
-//! Angles and places as they are written: what is nearly square, parallel or in line is taken for that, with a note by how much.
+//! Rounded angles and positions: axes and pads that are nearly perpendicular, parallel or aligned are accepted, with a
+//! notice of the deviation.
 
 use super::{measures, read, refused};
 use tactus::scene::Gripper;
 
-/// A hand of URDF whose right finger is turned about the approach by `yaw`, or whose fingers are both turned by `roll` against the hand.
+/// URDF hand whose fingers have these origins and joint axes, and whose pads are at `pad` on their fingers.
 fn urdf([left, right]: [&str; 2], [axis, other]: [&str; 2], pad: &str) -> Result<Gripper, String> {
     let finger = |side: &str, origin: &str, axis: &str| {
         format!(
@@ -48,7 +49,7 @@ fn angles_of_few_digits_are_right_ones_with_a_note_by_how_much() {
     );
 }
 
-/// Exports of CAD are off by some micrometres; the pads are in the middle between both.
+/// CAD exports deviate by some micrometres; the placement is the mean of both pads.
 #[test]
 fn places_that_are_off_by_less_than_a_tenth_of_a_millimetre_are_in_line_with_a_note() {
     let turned = |z: &str| format!("xyz=\"0 0 {z}\" rpy=\"0 0 3.141592653589793\"");
@@ -62,7 +63,8 @@ fn places_that_are_off_by_less_than_a_tenth_of_a_millimetre_are_in_line_with_a_n
     );
 }
 
-/// As in the hand of a Piper: quaternions of six digits, one finger's range the other way round.
+/// As in the hand of a Piper: quaternions of six digits, and one finger with a negative range. Lengths agree to
+/// 1e-6 m.
 #[test]
 fn quaternions_of_six_digits_are_right_angles() {
     let finger = |side: &str, quat: &str, axis: &str, range: &str, y: &str| {

@@ -1,9 +1,9 @@
-//! Joints of URDF as they are written: limits, joints that follow others, names.
+//! URDF joints: limits, mimic joints, names.
 
 use super::{measures, read, refused};
 use tactus::scene::Gripper;
 
-/// A hand whose fingers stand at ± their positions, with these tags in the joints.
+/// A hand whose fingers slide along ±y, with these tags in the joints.
 fn hand(left: &str, right: &str, more: &str) -> Result<Gripper, String> {
     let finger = |side: &str, axis: &str, joint: &str| {
         format!(
@@ -29,19 +29,20 @@ fn a_follower_takes_the_range_of_its_leader_whatever_its_own_limits() {
     for own in ["", OPEN, "<limit lower=\"-1\" upper=\"1\"/>"] {
         measures(&hand(OPEN, &format!("{own}{follow}"), "").unwrap(), EXPECTED, 1e-12);
     }
-    // A joint beside the fingers drives both, here by its angle, as the motor of a Robotiq 2F-85 does.
+    // The angle of a separate joint drives both fingers, as the motor of a Robotiq 2F-85 does.
     let motor = r#"<link name="crank"/><joint name="motor" type="revolute"><parent link="palm"/><child link="crank"/>
         <limit lower="0" upper="0.8"/></joint>"#;
     let follow = "<mimic joint=\"motor\" multiplier=\"0.05\"/>";
     measures(&hand(follow, follow, motor).unwrap(), EXPECTED, 1e-12);
-    // Followers of followers, with offsets: 0.5 * (2 * q - 0.04) + 0.02 = q.
+    // Chained mimic joints with offsets: 0.5 * (2 * q - 0.04) + 0.02 = q.
     let chain = r#"<link name="bar"/><joint name="bar" type="prismatic"><parent link="palm"/><child link="bar"/>
         <mimic joint="left_slide" multiplier="2" offset="-0.04"/></joint>"#;
     let right = "<mimic joint=\"bar\" multiplier=\"0.5\" offset=\"0.02\"/>";
     measures(&hand(OPEN, right, chain).unwrap(), EXPECTED, 1e-12);
 }
 
-/// One joint closes the left finger by 40 mm and the right one by 20 mm: 60 mm open, both by 30 mm about their middle, which the note says.
+/// One joint closes the left finger by 40 mm and the right one by 20 mm: the opening is 60 mm, the stroke of each
+/// finger 30 mm about their midpoint, and a notice states this.
 #[test]
 fn fingers_that_one_joint_closes_by_unequal_ways_meet_in_their_middle() {
     let follow = format!("{OPEN}<mimic joint=\"left_slide\" multiplier=\"0.5\"/>");
@@ -49,7 +50,7 @@ fn fingers_that_one_joint_closes_by_unequal_ways_meet_in_their_middle() {
     measures(&gripper, [0.06, 0.03, 0.0, 0.11], 1e-12);
     let notice = gripper.notice.0.unwrap();
     assert!(notice.contains("by 0.04 m and 0.02 m") && notice.contains("from -0.01 m to 0 m"), "{notice}");
-    // Fingers with joints of their own, and others that close beside the middle of the hand, are no such gripper.
+    // Independent joints of unequal range, and fingers that meet off the centre of the hand, are refused.
     refused(hand(OPEN, "<limit lower=\"0\" upper=\"0.02\"/>", ""), &["0.04 m and 0.02 m", "or follow one joint"]);
     let beside = "<mimic joint=\"left_slide\" multiplier=\"0.5\" offset=\"0.03\"/>";
     refused(hand(OPEN, beside, ""), &["beside its middle"]);
@@ -70,7 +71,7 @@ fn followers_that_make_no_parallel_gripper_are_refused_by_their_gear() {
     );
 }
 
-/// The fingers of a 2F-85 turn; the pads of such a hand move on arcs.
+/// The fingers of a 2F-85 rotate, so its pads move on arcs.
 const ROTATING: &str = r#"<robot name="2f_85">
 <link name="base"/><link name="left"/><link name="right"/>
 <joint name="finger_joint" type="revolute"><parent link="base"/><child link="left"/><axis xyz="1 0 0"/>
@@ -111,7 +112,7 @@ fn names_axes_and_macros_that_are_none_are_refused_with_their_line() {
     refused(hand("<axis xyz=\"0 0 0\"/>", OPEN, "").and(hand(OPEN, OPEN, "<joint/>")), &["has no"]);
 }
 
-/// What a file is, its first element says.
+/// The root element, not the file extension, determines the format.
 #[test]
 fn descriptions_are_known_by_their_element_and_not_by_their_ending() {
     let urdf = std::fs::read_to_string(super::shipped("franka_gelsight.urdf")).unwrap();
