@@ -1,4 +1,5 @@
-//! Mechanics: laws, elements, contact, equilibrium, paths and motion in time, held against closed forms, derivatives and other codes.
+//! Mechanics: laws, elements, contact, equilibrium, load paths and dynamics against closed forms, derivatives and other
+//! codes.
 
 #[path = "../fixtures/common.rs"]
 mod common;
