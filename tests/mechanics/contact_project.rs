@@ -114,8 +114,7 @@ fn closest_points_of_bent_faces_are_those_of_a_search() {
     check(true, 0.05, 0.1, 1e-5);
 }
 
-/// On faces curved by more than a right angle no point of the surface is closer than the returned one by more than
-/// 1e-5.
+/// On faces curved by more than a right angle no point of the surface is more than 1e-5 closer than the returned one.
 #[test]
 fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
     let mut random = Random(4);

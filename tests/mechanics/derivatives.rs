@@ -345,8 +345,7 @@ impl Scene {
         unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
     }
 
-    /// Returns the second derivatives of `energy` with respect to the coordinates `columns` by finite differences,
-    /// row-major.
+    /// Returns the finite-difference Hessian of `energy` with respect to the coordinates `columns`, row-major.
     fn second_differences(&self, columns: &[usize], energy: &dyn Fn(&State) -> f64) -> Vec<f64> {
         let h = STEP;
         let at = |a, d, b, e| energy(&self.moved(a, d, b, e));
@@ -455,8 +454,7 @@ fn near_slip(law: &ContactLaw, e: &EdgeState, slip: DVec3) -> bool {
     law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
 }
 
-/// Returns whether a point of the pad is near a change of state (contact, branch, slip), where the second derivative
-/// jumps.
+/// Returns whether a point of the pad is near a jump of the second derivative (change of contact, branch or slip).
 fn near_jump(
     scene: &Scene,
     contact: &PointContact,
@@ -532,8 +530,7 @@ fn across(s: DVec3, normal: DVec3) -> DVec3 {
     s - normal * normal.dot(s)
 }
 
-/// The Hessian is exact, including the curvature of the object and the second order of the rotation `exp(w) R` at `w =
-/// 0`.
+/// The Hessian is exact, including the object's curvature and the second order of the rotation `exp(w) R` at `w = 0`.
 #[test]
 fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(0.0, 0.05);
@@ -541,8 +538,7 @@ fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
 }
 
 /// The limit `mu p` and the normal are lagged: assembly fixes them, and gradient and Hessian are those of the lagged
-/// potential, which `energy` returns until the next assembly. `couple` adds the change of the true friction force with
-/// the pressure.
+/// potential, which `energy` returns until the next assembly. `couple` adds the dependence of friction on the pressure.
 #[test]
 fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(5.0, 0.03);
@@ -588,8 +584,7 @@ fn points_that_are_not_listed_do_not_matter() {
 
 /// The derivative of the true gradient along every coordinate except the object's rotation is the Hessian of the lagged
 /// potential plus the terms of `couple`: friction limits depend on the pressure, and the active fraction of a point
-/// that comes into contact within the increment grows with its depth. The object is a slab, so that normals are
-/// constant.
+/// that comes into contact within the increment grows with its depth. The object is a slab with constant normals.
 #[test]
 fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
     let object: Arc<dyn SignedDistance> = Arc::new(Cuboid { core: DVec3::new(9.0, 9.0, 0.8), radius: 0.0 });
@@ -800,8 +795,7 @@ fn slipping_friction_at_features_has_its_derivatives() {
     assert!(covered.slipping > 20, "{covered:?}");
 }
 
-/// Adapter of an object term to a body term, so that the same checks apply; its derivatives in nodes and travel must
-/// vanish.
+/// Adapter of an object term to a body term for the same checks; its derivatives in nodes and travel must vanish.
 #[derive(Clone)]
 struct OfObject<T> {
     term: T,
@@ -832,8 +826,7 @@ fn hand(random: &mut Random) -> HandState {
     HandState { position: random.vector(), rotation: random.rotation(), force: 0.0 }
 }
 
-/// Creates a scene, a term at its state with a random hand pose, and a time step during which hand and state move by
-/// about `drag`.
+/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `drag`.
 fn stepped<T: BodyTerm>(
     seed: u64,
     drag: f64,
@@ -902,8 +895,7 @@ fn inertia_of_a_rigid_object_has_its_derivatives() {
     }
 }
 
-/// Checks contact of six points of the object with a plane of the world, in scenes with no point near a change of
-/// state.
+/// Checks contact of six object points with a plane of the world in scenes with no point near a change of state.
 fn check_ground(friction: f64, drag: f64) -> Covered {
     let mut covered = Covered::default();
     for seed in 0..400 {

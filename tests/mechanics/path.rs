@@ -43,8 +43,8 @@ fn press(frames: usize, more: &str) -> (Frame, u64) {
 }
 
 /// Displacement and force with one and ten frames agree with those of four hundred frames to 0.3 %. With one increment
-/// per frame and sticking points anchored where an iterate first touched the object, ten frames deviated by 3.9 and 2.3
-/// %.
+/// per frame and sticking points anchored where an iterate first touched the object, ten frames deviate by 3.9 and
+/// 2.3 %.
 #[test]
 fn a_press_is_the_same_in_one_ten_and_four_hundred_frames() {
     let (truth, _) = press(400, "");
@@ -92,8 +92,7 @@ fn a_squeeze_is_the_same_in_five_and_in_forty_frames() {
     assert!(error < 1e-2, "displacement {error}");
 }
 
-/// An object is fixed until its release, at the last frame at the latest; the last frame is balanced to 1e-3 of the
-/// force.
+/// An object is fixed until its release, at the last frame at the latest, which is balanced to 1e-3 of the force.
 #[test]
 fn an_object_is_held_until_it_is_let_go() {
     let squeeze = |release: f64, frames: usize| {

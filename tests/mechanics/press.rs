@@ -128,8 +128,7 @@ fn check_linear(press: &mut Press, steps: u32, force_allowed: f64, face_allowed:
 fn linear_tetrahedra_with_the_contact_law_of_calculix_give_its_force_and_face() {
     let body = linear_pad(0.45);
     let surface = Arc::new(ContactSurface::with_subdivision(&body, 16));
-    // The sphere is smaller by the contact offset, so that contact starts at `RADIUS`; the law stays on its first
-    // branch.
+    // Contact starts at `RADIUS` because the sphere is smaller by the offset; the law stays on its first branch.
     let law = ContactLaw { stiffness: 200e9, offset: 40e-6, friction: 0.0, tangential: 200e9 };
     let setup = Setup { start: DVec3::Z * (RADIUS - law.offset), ..setup(body, RADIUS - law.offset) };
     let mut press = Press::with_law(setup, law, surface);

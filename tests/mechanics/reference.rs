@@ -87,8 +87,7 @@ impl Solver {
     }
 }
 
-/// Cube of 3 mm of irregular tetrahedra: its eight interior nodes are displaced by up to a quarter of a cell along each
-/// axis.
+/// Cube of 3 mm of irregular tetrahedra: its interior nodes are displaced by up to a quarter of a cell along each axis.
 fn irregular_patch() -> TetMesh {
     let lines = [0.0, 1.0, 2.0, 3.0];
     let mut mesh = grid::structured([&lines; 3]).expect("grid");
@@ -272,8 +271,7 @@ fn end_traction(mesh: &TetMesh, quadratic: bool, nodes: usize, traction: DVec3) 
     load
 }
 
-/// Loads the cantilever with 4e-4 N/mm2 times each of `levels` in sequence and returns the displacements at each level,
-/// mm.
+/// Loads the cantilever with 4e-4 N/mm2 times each of `levels` in sequence; returns the displacements at each, mm.
 fn cantilever(mesh: &TetMesh, quadratic: bool, mean: bool, law: Arc<dyn Material>, levels: &[f64]) -> Vec<Vec<DVec3>> {
     let (rest, elements) = elements(mesh, quadratic);
     let unit = end_traction(mesh, quadratic, rest.len(), DVec3::X * 4e-4);
@@ -315,8 +313,7 @@ fn cantilever_of_linear_tetrahedra_bends_as_in_calculix() {
     assert!(off < 1e-6, "Hooke's law: tip off by {off:.1e}");
 }
 
-/// The reference mesh splits the cells of the same beam differently: the tip displacement agrees to the mesh error, 1.5
-/// %.
+/// The reference mesh splits the cells of the same beam differently: tips agree to the mesh error, 1.5 %.
 #[test]
 fn cantilever_of_quadratic_tetrahedra_bends_as_in_calculix() {
     let cases = cases();

@@ -1,6 +1,6 @@
 //! Similarity: a scene with lengths scaled by `s` and forces by `s^2` has the same dimensionless solution.
 //!
-//! Quasi-static mechanics without weight has no intrinsic length; numerical parameters with a dimension scale with the
+//! Quasi-static mechanics without weight has no intrinsic length; dimensional numerical parameters scale with the
 //! scene.
 
 use crate::keep::Keep;
@@ -97,8 +97,7 @@ fn a_scene_an_eighth_or_eight_times_as_large_has_the_same_answer() {
 }
 
 /// At a tenth and ten times the size, scaled displacements and forces agree to 1e-6 of the largest. Rounding and hence
-/// the increments differ there, so the test is frictionless (no dependence on the increments) and uses a tight
-/// tolerance.
+/// the increments differ there, so the test is frictionless (path-independent) and uses a tight tolerance.
 #[test]
 fn a_scene_a_tenth_or_ten_times_as_large_has_the_same_answer_without_friction() {
     let sharp = "Fem(tolerance: (force: 1e-9))";

@@ -66,8 +66,7 @@ fn a_ball_on_a_block_follows_hertz() {
     }
 }
 
-/// Moves the object sideways by `step` (m), solves for equilibrium, and returns the normal and tangential force on the
-/// pad, N.
+/// Moves the object sideways by `step` (m) and solves; returns the normal and tangential force on the pad, N.
 fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     let mut start = press.path.state.clone();
     start.position.x += step;
@@ -97,8 +96,8 @@ fn a_sticking_contact_is_as_stiff_in_shear_as_mindlin_says() {
         "{stiffness:.1} N/m, Mindlin on a half-space {mindlin:.1} N/m, {:+.2} %",
         100.0 * (stiffness / mindlin - 1.0)
     );
-    // With a contact radius of a tenth of the thickness the bonded base adds some percent: half of the effect in the
-    // normal direction.
+    // At a contact radius of a tenth of the thickness the bonded base adds some percent, half as much as to the normal
+    // stiffness.
     assert!((stiffness / mindlin - 1.0).abs() < 0.1, "{stiffness} N/m against {mindlin} N/m");
 }
 
@@ -121,8 +120,7 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
         // Sum of magnitudes: tractions on the inclined sides of the indentation point in different directions.
         let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();
-        // The lagged friction limit differs from the current pressure while Newton iterates; bound the total excess
-        // traction.
+        // The friction limit is lagged behind the pressure by an iteration; bound the total excess traction.
         let excess: f64 = points().map(|(e, a)| (e.traction.length() - friction * e.pressure).max(0.0) * a).sum();
         let sticking = points().filter(|(e, _)| !e.slips).count();
         println!(

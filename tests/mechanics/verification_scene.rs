@@ -36,8 +36,7 @@ fn outcome(path: &Path, text: &str) -> (Status, String, Vec<Frame>) {
 
 const GRIPPER: &str = "gripper: (pads: GelSightMini(spacing: 4e-3)), record: (fields: [])";
 
-/// Returns the frames of a squeeze of an irregular object with its mesh file and the hand (at `hand`) both rotated by
-/// `turn`.
+/// Returns the frames of a squeeze of an irregular object, its mesh file and the hand (at `hand`) rotated by `turn`.
 fn turned(folder: &Path, turn: DQuat, hand: DQuat) -> Vec<Frame> {
     let kind = ShapeKind::Potato { semi_axes: DVec3::new(0.02, 0.024, 0.028), roughness: 0.05, seed: 3 };
     let surface = kind.build(32).unwrap().surface;
@@ -54,8 +53,7 @@ fn turned(folder: &Path, turn: DQuat, hand: DQuat) -> Vec<Frame> {
     frames(&folder.join("scene.ron"), &text)
 }
 
-/// Returns the largest difference of nodal displacements relative to the largest displacement; `swap` compares left
-/// with right.
+/// Returns the largest difference of nodal displacements over the largest displacement; `swap` compares left and right.
 fn difference(a: &[Frame], b: &[Frame], swap: bool) -> f64 {
     let half_turn = DQuat::from_rotation_z(std::f64::consts::PI);
     let (mut wrong, mut largest) = (0.0_f64, 0.0_f64);
