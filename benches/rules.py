@@ -2,10 +2,10 @@
 
     python3 benches/rules.py OUT [SCENE[#[OBJECT][#GRASP]] ...]
 
-copies the sources to OUT/tree, where constants can be replaced through the environment variable RULE, builds them once, and
-runs the scenes with each constant changed. Rows are stored in OUT/rows.json, so that an interrupted run resumes. The table is
-printed to stdout. A case is lost if its outcome differs from that without a change, or if it takes longer than LIMIT seconds
-(60). RULES is a regular expression that selects constants by name.
+copies the sources to OUT/tree, where the environment variable RULE replaces a constant, builds them once, and runs the
+scenes with each constant changed. Rows are stored in OUT/rows.json, so that an interrupted run resumes. The table is
+printed to stdout. A case is lost if its outcome differs from that without a change, or if it takes longer than LIMIT
+seconds (60). RULES is a regular expression that selects constants by name.
 """
 
 import hashlib

@@ -1,9 +1,9 @@
-"""Batched prediction by PyTorch on a device, compared with the engine on all cores: times by stage, grasps per second, and
-the largest difference of the predictions.
+"""Batched prediction by PyTorch on a device, compared with the engine on all cores: times by stage, grasps per second,
+and the largest difference of the predictions.
 
 usage: torch_device.py SCENE [DEVICE] [GRASPS] [LOADS]      e.g. torch_device.py scenes/lemon.ron cuda 2048 12
 
-Needs the Python package of tactus, torch and safetensors. The poses of the scene are repeated, which does not affect times.
+Needs the Python package of tactus, torch and safetensors. The scene's poses are repeated, which does not affect times.
 """
 
 import sys

@@ -1,9 +1,9 @@
-"""Times of message passing and of all loads of a grasp in PyTorch (eager) and ONNX Runtime, with the same weights and graph.
+"""Times of message passing and of all loads of a grasp in PyTorch (eager) and ONNX Runtime, with equal weights and graph.
 
 usage: torch_inference.py MODEL_DIR FILE.npz [THREADS...]      FILE.npz is from `tactus eval DATASET --model MODEL_DIR --dump`
 
-Needs torch, safetensors and numpy; onnx, onnxscript and onnxruntime for ONNX Runtime. `TACTUS_MODEL=MODEL_DIR cargo bench
---bench inference` times the engine of tactus; run both alternately on an otherwise idle machine.
+Needs torch, safetensors and numpy; onnx, onnxscript and onnxruntime for ONNX Runtime. `TACTUS_MODEL=MODEL_DIR cargo
+bench --bench inference` times the engine of tactus; run both alternately on an otherwise idle machine.
 """
 
 import sys

@@ -3,8 +3,8 @@
     tactus run scenes/photometric.ron -o out/photometric
     python python/examples/photometric.py out/photometric
 
-A real sensor is calibrated by a table from the slope of the gel to colour, measured with a ball of known size; here the table
-is computed from the directions of the lights. To imitate a particular sensor, replace this table.
+A real sensor is calibrated by a table from the slope of the gel to colour, measured with a ball of known size; here the
+table is computed from the directions of the lights. To imitate a particular sensor, replace this table.
 """
 
 import argparse

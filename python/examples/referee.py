@@ -1,6 +1,7 @@
 """Evaluation of policies: complete episodes on held-out seeds, compared with constant forces and a random policy.
 
-A policy is a function of the observations (a dictionary of arrays) and its last actions (N, size) that returns actions (N, size).
+A policy is a function of the observations (a dictionary of arrays) and its last actions (N, size); it returns actions
+(N, size).
 """
 
 import argparse
@@ -38,8 +39,8 @@ def arguments(out):
 
 
 def steady(scene, part, size):
-    """Returns a policy of constant force, at `part` (0 to 1) of the task's range, and this force, N. If actions are rates, the
-    policy approaches it at the largest rate.
+    """Returns a policy of constant force, at `part` (0 to 1) of the task's range, and this force, N. If actions are rates,
+    the policy approaches it at the largest rate.
     """
     text = tactus.load(scene).ron(tactus.load(scene).objects[0])
     least, most = map(float, re.search(r"task: \(.*?\bforce: \(([^,]+), ([^)]+)\)", text, re.S).groups())
@@ -56,7 +57,7 @@ def steady(scene, part, size):
 
 
 def play(act, scene, episodes, seed=HELD_OUT, **settings):
-    """Plays one episode in each of `episodes` environments; returns its return and whether its object was lost at the end."""
+    """Plays one episode in each of `episodes` environments; returns returns and whether objects were lost at the end."""
     env = tactus.VectorEnv(scene, episodes, **settings)
     obs, _ = env.reset(seed=seed)
     last = np.zeros(env.action_space.shape, np.float32)
@@ -73,9 +74,9 @@ def play(act, scene, episodes, seed=HELD_OUT, **settings):
 
 
 def judge(policies, scene, episodes, path=None, **settings):
-    """Prints, for policies by name, the mean return with its standard error, the fraction of objects lost, and the paired
-    difference to the best constant force; writes all but the differences to a CSV file. The best constant force is that of
-    nine in the same episodes.
+    """Prints, for policies by name, the mean return with its standard error, the fraction of objects lost, and the
+    paired difference to the best constant force; writes all but the differences to a CSV file. The best constant force
+    is that of nine in the same episodes.
     """
     size = tactus.VectorEnv(scene, 1, objects=tactus.load(scene).objects[:1], **settings).single_action_space.shape[0]
     rng = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""PPO of Stable-Baselines3: trains on the network, optionally continues on finite elements, and evaluates as `ppo.py` does.
+"""PPO of Stable-Baselines3: trains on the network, optionally continues on finite elements, evaluates as `ppo.py` does.
 
     python python/examples/stable_baselines.py scenes/tasks/hold.ron --model out/tasks_model --out out/sb3/hold
 """

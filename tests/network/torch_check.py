@@ -1,4 +1,4 @@
-"""Reference implementation of the networks in PyTorch: compares a model with the output of `tactus eval --dump FILE.npz`.
+"""PyTorch implementation of the networks: compares a model with the output of `tactus eval --dump FILE.npz`.
 
 The face network is that of `python/tactus/face.py`; the paper's network is implemented here, for this check only.
 
