@@ -2,7 +2,7 @@
 # Measures the tables of docs/results.md, writes them there with command, commit, date and processor, and updates the
 # tables in README.md.
 #
-#   benches/results.sh                  every table not yet measured at this commit; hours on two cores, mostly for `rules`
+#   benches/results.sh                  all tables not yet measured at this commit; hours on two cores, most for `rules`
 #   benches/results.sh press squeeze    only these tables, even if measured already
 #
 # The tables `peers` and `inference` run other systems and `objects` compares arrays: PYTHON names a Python interpreter

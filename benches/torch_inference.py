@@ -1,4 +1,4 @@
-"""Times of message passing and of all loads of a grasp in PyTorch (eager) and ONNX Runtime, with equal weights and graph.
+"""Times of message passing and of all loads of a grasp in PyTorch (eager) and ONNX Runtime: same weights and graph.
 
 usage: torch_inference.py MODEL_DIR FILE.npz [THREADS...]      FILE.npz is from `tactus eval DATASET --model MODEL_DIR --dump`
 

@@ -39,8 +39,8 @@ def arguments(out):
 
 
 def steady(scene, part, size):
-    """Returns a policy of constant force, at `part` (0 to 1) of the task's range, and this force, N. If actions are rates,
-    the policy approaches it at the largest rate.
+    """Returns a policy of constant force, at `part` (0 to 1) of the task's range, and this force, N. If actions are
+    rates, the policy approaches it at the largest rate.
     """
     text = tactus.load(scene).ron(tactus.load(scene).objects[0])
     least, most = map(float, re.search(r"task: \(.*?\bforce: \(([^,]+), ([^)]+)\)", text, re.S).groups())
@@ -57,7 +57,7 @@ def steady(scene, part, size):
 
 
 def play(act, scene, episodes, seed=HELD_OUT, **settings):
-    """Plays one episode in each of `episodes` environments; returns returns and whether objects were lost at the end."""
+    """Plays one episode in each of `episodes` environments; gives returns and whether objects were lost at the end."""
     env = tactus.VectorEnv(scene, episodes, **settings)
     obs, _ = env.reset(seed=seed)
     last = np.zeros(env.action_space.shape, np.float32)

@@ -66,7 +66,7 @@ def franka_mjcf() -> Hand:
 
 
 def robotiq() -> Hand:
-    """Robotiq 2F-85 with prismatic joints instead of the linkage: both fingers mimic a revolute motor, 0.8 rad closed."""
+    """Robotiq 2F-85 with prismatic joints for the linkage: both fingers mimic a revolute motor, 0.8 rad closed."""
     motor = '<link name="crank">' + WEIGHT + '</link><joint name="finger_joint" type="revolute"><parent link="palm"/><child link="crank"/>'
     motor += '<axis xyz="1 0 0"/><limit lower="0" upper="0.8" velocity="2" effort="1000"/></joint>'
     mimic = '<mimic joint="finger_joint" multiplier="{}" offset="{}"/>'
@@ -101,7 +101,7 @@ def package() -> Hand:
 
 
 def included() -> Hand:
-    """MJCF of several files with nested includes (settings and classes, robot, fingers), Euler angles zyx in degrees."""
+    """MJCF of several files, nested includes (settings and classes, robot, fingers), Euler angles zyx in degrees."""
     main = '<mujoco><include file="parts/settings.xml"/><include file="parts/robot.xml"/></mujoco>'
     settings = '<mujocoinclude><compiler eulerseq="zyx"/><default><default class="f"><joint type="slide" axis="1 0 0" range="0 0.025"/>'
     settings += '<site pos="-0.004 0.001 0.07" euler="0 0 5"/></default></default></mujocoinclude>'

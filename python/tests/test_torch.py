@@ -78,7 +78,7 @@ def moved(pose, by):
 
 
 def jacobian(on, force, friction, pose, scales):
-    """Returns the derivatives of each field (8, numbers) by force, friction, position and rotation over their scales."""
+    """Returns derivatives of each field (8, numbers) by force, friction, position and rotation over their scales."""
     x = torch.zeros(8, dtype=torch.float64, requires_grad=True)
     by = x * torch.from_numpy(scales)
     answer = on(moved(pose, by[2:])[None], (force + by[0])[None], friction + by[1])

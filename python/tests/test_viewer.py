@@ -85,7 +85,7 @@ def opened(browser, folder, model=None, size=DESKTOP, **more):
 
 
 def picture(page):
-    """Returns a picture of the canvas at a fixed position and size, as lines above it may shift it by part of a pixel."""
+    """Returns a picture of the canvas at a fixed position and size: lines above it may shift it by part of a pixel."""
     alone = "position: fixed !important; inset: 0 auto auto 0; width: 640px !important; height: 400px !important; background: white; z-index: 9"
     fixed = page.add_style_tag(content=f"#canvas {{ {alone} }}")
     page.wait_for_function("() => document.getElementById('canvas').clientWidth === 640")

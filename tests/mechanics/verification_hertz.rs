@@ -120,7 +120,7 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
         // Sum of magnitudes: tractions on the inclined sides of the indentation point in different directions.
         let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();
-        // The friction limit is lagged behind the pressure by an iteration; bound the total excess traction.
+        // The friction limit may be lagged where Newton iterations oscillate; bound the total excess traction.
         let excess: f64 = points().map(|(e, a)| (e.traction.length() - friction * e.pressure).max(0.0) * a).sum();
         let sticking = points().filter(|(e, _)| !e.slips).count();
         println!(
