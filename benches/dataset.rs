@@ -1,5 +1,5 @@
-//! Reading speed of a data set of the size of `scenes/paper.ron`'s: whole grasps, and frames into training batches.
-//! The frames are made up; that does not matter to a reader.
+//! Reading speed of a data set of the size of that of `scenes/paper.ron`: complete grasps, and frames into training
+//! batches. The frames are synthetic, which does not affect reading.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -36,7 +36,7 @@ fn made_up(model: &Model, index: usize, random: &mut Random) -> Frame {
     Frame { index, travel: vec![1e-3; pads.len()], pads, ..Frame::default() }
 }
 
-/// A file of one object; its path is below `dir`.
+/// Writes the file of one object below `dir` and opens it.
 fn file(dir: &Path) -> tactus::base::error::Result<ObjectFile> {
     let set = load_set("scenes/paper.ron")?;
     let named = &set.scenes[0];

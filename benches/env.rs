@@ -1,4 +1,4 @@
-//! Steps of many environments at once: how long a step of the whole batch takes, resets included.
+//! Time per step of a batch of environments, resets included.
 //!
 //! `TACTUS_TASK_MODEL` names the folder of a trained network; without it only finite elements are timed.
 
@@ -9,7 +9,7 @@ use tactus::base::random::Random;
 use tactus::env::{BatchConfig, BatchEnv};
 use tactus::scene::{Gnn, StepperChoice, load_set};
 
-/// As in the program and the Python package.
+/// Allocator of the program and the Python package.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
@@ -35,7 +35,7 @@ fn throughput(c: &mut Criterion) {
         };
         let mut group = c.benchmark_group("hold");
         group.throughput(Throughput::Elements(num_envs as u64)).sample_size(20);
-        // Who lets go of the object soon begins anew soon, and a new grasp is what costs most.
+        // A policy that drops the object early is reset often, and a new grasp costs most.
         for (policy, spread) in [("random", 1.0), ("steady", 0.0)] {
             let mut random = Random::new(1);
             group.bench_function(format!("{num_envs} environments, {name}, {policy} policy"), |b| {

@@ -1,7 +1,7 @@
-//! What a prediction costs, beside the rate of matrix products on the same core in the same run; how the cost grows.
+//! Time of a prediction, compared with the rate of matrix products on the same core in the same run, and its growth.
 //!
-//! The network is the one in the folder that `TACTUS_MODEL` names; without it, one of the sizes of `models/face.ron` with
-//! start values for weights: time does not depend on them. `torch_inference.py` times the same in other systems.
+//! The network is that in the folder named by `TACTUS_MODEL`, otherwise one of the default size with initial weights,
+//! on which times do not depend. `torch_inference.py` times the same in other systems.
 
 mod clock;
 
@@ -26,11 +26,11 @@ use tactus::net::network::spec::{Face, NetworkSpec};
 use tactus::net::network::{Inputs, Network, Normalisers, build};
 use tactus::scene::from_ron;
 
-/// A grasp, its loads and the network.
+/// Features and loads of a grasp, and the network.
 struct Case {
     features: GraspFeatures,
     loads: LoadFeatures,
-    /// The loads as they are decoded together.
+    /// Loads in the batches in which they are decoded.
     pieces: Vec<LoadFeatures>,
     norms: Normalisers,
     network: Box<dyn Network>,
@@ -86,7 +86,7 @@ impl Case {
         Inputs { features: &self.features, normalisers: &self.norms, mirror: (false, false) }
     }
 
-    /// Pass, and all loads, without a tape, s.
+    /// Measures the times of message passing and of decoding all loads without a tape, s.
     fn times(&self) -> [f64; 2] {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
@@ -96,7 +96,7 @@ impl Case {
         [encode, best(|| self.pieces.iter().for_each(decode))]
     }
 
-    /// The same on a tape, s.
+    /// Measures the same times on a tape, s.
     fn on_tape(&self) -> [f64; 2] {
         let (tape, inputs) = (Tape::silent(), self.inputs());
         let code = self.network.encode(&tape, &self.parameters, &inputs);
@@ -107,7 +107,7 @@ impl Case {
     }
 }
 
-/// Exponent of a power law through (size, time), least squares.
+/// Returns the exponent of a power law fitted to (size, time) by least squares.
 fn exponent(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
@@ -130,7 +130,7 @@ fn report() -> Result<()> {
     );
     let (mut rate, mut time, mut tape) = (0.0_f64, [f64::INFINITY; 2], [f64::INFINITY; 2]);
     let mut both = [f64::INFINITY; 2];
-    // In turns, so that a busy machine slows them alike.
+    // Alternately, so that other load on the machine affects all equally.
     let least = |a: &mut [f64; 2], b: [f64; 2]| a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
     for _ in 0..3 {
         rate = rate.max(one.install(sgemm));
@@ -178,7 +178,7 @@ fn growth(case: &Case) -> Result<()> {
         println!("{} edges: pass {:.3} ms", case.features.graph.edges.list.len(), pass * 1e3);
         edges.push((case.features.graph.edges.list.len() as f64, pass));
     }
-    // Nodes cost too: what is left when edges are none is taken off by the slope.
+    // The time is affine in the number of edges: the intercept is the cost of nodes.
     let [first, last] = [edges[0], edges[edges.len() - 1]];
     let each = (last.1 - first.1) / (last.0 - first.0);
     println!("an edge costs {:.1} ns: time = {:.3} ms + edges", each * 1e9, (first.1 - each * first.0) * 1e3);
@@ -197,7 +197,7 @@ fn growth(case: &Case) -> Result<()> {
     Ok(())
 }
 
-/// Joins nodes that are up to `rings` edges apart.
+/// Connects nodes that are up to `rings` edges apart.
 fn widen(graph: &mut PadGraph, rings: usize) {
     let n = graph.face.len();
     let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];

@@ -1,4 +1,4 @@
-//! What each word of a scene costs: the same squeeze with everything, and with one thing less.
+//! Cost of the features of a scene: the same squeeze with all of them, and with each removed.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -9,12 +9,12 @@ use tactus::model::grasp::poses_of;
 use tactus::scene::{ObjectMotion, Scene, from_ron};
 use tactus::world::environment::Environment;
 
-/// A squeeze in twenty frames between condensed pads, of which recording is a part that can be told from noise.
+/// Returns a squeeze in twenty frames between condensed pads, of whose time recording is a measurable part.
 fn scene(friction: f64, more: &str, motion: ObjectMotion) -> Result<Scene> {
     solved("Condensed()", friction, more, motion)
 }
 
-/// The same by `solver`.
+/// Returns the same squeeze with `solver`.
 fn solved(solver: &str, friction: f64, more: &str, motion: ObjectMotion) -> Result<Scene> {
     let mut scene = from_ron(&format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
@@ -30,13 +30,13 @@ fn squeeze(c: &mut Criterion) {
     let scenes = [
         ("everything", scene(0.8, weight, ObjectMotion::Free)),
         ("without gravity", scene(0.8, "", ObjectMotion::Free)),
-        // Nothing slick holds a weight.
+        // Without friction no weight can be held.
         ("without gravity and friction", scene(0.0, "", ObjectMotion::Free)),
         ("without a free object", scene(0.8, weight, ObjectMotion::Fixed)),
         ("without recording", scene(0.8, &format!("{weight} {nothing}"), ObjectMotion::Free)),
         ("without any of them", scene(0.0, nothing, ObjectMotion::Fixed)),
-        // A slick object that is free turns for longer before it rests, and condensed pads cost too little to tell: what friction
-        // costs shows on whole pads about an object that cannot turn.
+        // A free object without friction rotates farther until equilibrium, and condensed pads cost too little: the
+        // cost of friction is measured with full pads and a fixed object.
         ("whole pads, fixed object", solved("Full", 0.8, "", ObjectMotion::Fixed)),
         ("whole pads, fixed object, without friction", solved("Full", 0.0, "", ObjectMotion::Fixed)),
     ];

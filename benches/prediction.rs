@@ -1,5 +1,6 @@
-//! A prediction of all frames of a grasp by stage, beside the least time that its arithmetic and its memory traffic would take on the same
-//! thread in the same run: at the rate of products of large matrices, and of sums over more numbers than the caches hold.
+//! Times of the stages of a prediction of all frames of a grasp, with lower bounds from arithmetic and memory traffic.
+//! The rates for these bounds are measured on the same thread in the same run: products of large matrices, and sums
+//! over an array larger than the caches.
 
 mod clock;
 
@@ -19,14 +20,14 @@ use tactus::net::linear::{GraspLoad, loads_of};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
 
-/// As in the program and the Python package.
+/// Allocator of the program and the Python package.
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
 const SCENE: &str = "scenes/lemon.ron";
 const FRAMES: u64 = 50;
 
-/// Bytes that one thread reads in a second from memory.
+/// Measures the memory bandwidth for reading on one thread, bytes/s.
 fn reading() -> f64 {
     let numbers = vec![1.0_f32; 1 << 26];
     let add = |sum: [f32; 32], v: &[f32; 32]| std::array::from_fn(|k| sum[k] + v[k]);
@@ -42,7 +43,7 @@ struct Stage {
     name: String,
     /// Wall time, s.
     time: f64,
-    /// Least time, s: of its arithmetic, and of its memory traffic.
+    /// Lower bounds of the time, s: of its arithmetic, and of its memory traffic.
     least: Option<[f64; 2]>,
 }
 
@@ -62,7 +63,7 @@ fn stages() -> Result<Vec<Stage>> {
     let seen = predictor.look(&model, &graph, &touch);
     let all = loads_of(&model);
     let ramp = Ramp::new(&predictor, &seen, &all)?;
-    // Which ones does not matter for time.
+    // The choice of loads does not affect times.
     let few: Vec<GraspLoad> = (0..ramp.decoded()).map(|k| all[k * all.len() / ramp.decoded()]).collect();
     let loads = features.loads(&few);
     let code = engine.encode(&features);
@@ -72,7 +73,7 @@ fn stages() -> Result<Vec<Stage>> {
     let find = best(|| drop(black_box(GeometricContact::find_in(&mut kept, &model, pose))));
     let describe = best(|| drop(black_box(GraspFeatures::new(&model, &graph, &touch))));
     let encode = best(|| drop(black_box(engine.encode(&features))));
-    // In turns, as their difference is a stage, too.
+    // Alternately, because a stage is computed from their differences.
     let [mut balance, mut decode, mut answer] = [f64::INFINITY; 3];
     for _ in 0..4 {
         balance = balance.min(best(|| drop(black_box(features.loads(&few)))));

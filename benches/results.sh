@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Measures the tables of docs/results.md, writes them there with command, commit, date and processor, and fills in the figures that
-# README.md quotes.
+# Measures the tables of docs/results.md, writes them there with command, commit, date and processor, and updates the
+# tables in README.md.
 #
-#   benches/results.sh                  every table that was not measured at this commit yet; some hours on two cores, most of them for `rules`
-#   benches/results.sh press squeeze    these tables alone, once more
+#   benches/results.sh                  all tables not yet measured at this commit; hours on two cores, most for `rules`
+#   benches/results.sh press squeeze    only these tables, even if measured already
 #
-# The tables `peers` and `inference` run other systems, `objects` compares arrays: PYTHON names a Python that has mujoco, drake, torch,
-# safetensors, onnx, onnxscript, onnxruntime and numpy. What it has not is left out and said.
+# The tables `peers` and `inference` run other systems and `objects` compares arrays: PYTHON names a Python interpreter
+# with mujoco, drake, torch, safetensors, onnx, onnxscript, onnxruntime and numpy. Missing packages are skipped.
 #
-# Stopped at any moment it goes on with the next table. Nothing else should run beside it.
+# After an interruption it resumes with the next table. No other load should run on the machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network slip size predictions stages inference growth environments data_set sensitivity hard_cases rules)
@@ -20,7 +20,7 @@ made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _N
 python=${PYTHON:-python3}
 tactus() { ./target/release/tactus "$@"; }
 
-# The text between the markers of table $1 in file $2 becomes stdin; a table that is not there yet goes to the end.
+# Replaces the text between the markers of table $1 in file $2 by stdin; a new table is appended.
 put() {
     local name=$1 file=$2 fresh
     fresh=$(mktemp)
@@ -34,26 +34,26 @@ put() {
     rm "$fresh"
 }
 
-# Title $1 and command $2 of a table, then stdin.
+# Prints the title $1 and the command $2 of a table, then stdin.
 page() {
     printf '## %s\n\n    %s\n' "$1" "$2"
     { echo; sed 's/   */ /g'; } | cat -s
     printf '\n%s\n' "$made"
 }
 
-# Processor time of a command, s.
+# Prints the processor time of a command, s.
 processor_seconds() {
     local TIMEFORMAT='%U %S'
     { time "$@" > /dev/null 2>&1; } 2>&1 | awk '{ print $1 + $2 }'
 }
 
-# Force, N, and travel of the first finger, m, of each frame in the table $1.
+# Prints the force, N, and the travel of the first finger, m, of each frame in the table $1.
 force_and_travel() {
     awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i ~ /^force_n/) force = i; if ($i ~ /^travel/ && !travel) travel = i } next }
         { print $force, $travel }' "$1"
 }
 
-# Wall time of a command, s; a promise of a scene that is not kept is not a failure of the measurement.
+# Prints the wall time of a command, s; exit status 1, a violated expectation of a scene, is accepted.
 seconds() {
     local TIMEFORMAT=%R
     { time "$@" > /dev/null 2>&1; } 2>&1 || [ $? -eq 1 ]

@@ -1,11 +1,11 @@
-"""What each constant of the solver is worth: doubled, halved and switched off, against hard cases.
+"""Sensitivity of hard cases to each constant of the solver: doubled, halved and disabled.
 
     python3 benches/rules.py OUT [SCENE[#[OBJECT][#GRASP]] ...]
 
-copies the sources to OUT/tree, where the constants become variables of the environment, builds them once, and runs the scenes with
-each constant changed. Rows go to OUT/rows.json, one after the other: stopped at any moment it goes on from there. The table goes to stdout.
-A case is lost if it ends otherwise than it does without a change, or takes longer than LIMIT seconds (60). RULES is a regular expression for
-the names of some of the constants.
+copies the sources to OUT/tree, where the environment variable RULE replaces a constant, builds them once, and runs the
+scenes with each constant changed. Rows are stored in OUT/rows.json, so that an interrupted run resumes. The table is
+printed to stdout. A case is lost if its outcome differs from that without a change, or if it takes longer than LIMIT
+seconds (60). RULES is a regular expression that selects constants by name.
 """
 
 import hashlib
@@ -20,12 +20,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 FOLDERS = ["src/mech/newton", "src/mech/path", "src/mech/contact", "src/backend/fem"]
 SCALES = "src/scales.rs"
-# Scales that the solver uses; the others place samples of the object.
+# Scales used by the solver; the others determine the samples of the object.
 OF_SOLVER = """NO_FRICTION DISPLACEMENT_TOLERANCE SHARP_MOTION LARGEST_MOTION PSEUDO_TIME_BEGINS PSEUDO_TIME_REACH GONE DROPPED SAFE_MOTION FIRST_DEPTH
 PATCH_MARGIN SMALL_PATCH_MARGIN FEATURE_MOVES MIDDLE_CUT LOOK_AHEAD POINTS_LISTED FACE_KEPT DISTANCES_STALE FEATURES_LISTED DEEPEST""".split()
-# Facts of geometry and rounding.
+# Constants determined by geometry and rounding, which are not varied.
 FACTS = "BULGE TIE NOWHERE ALONG ARC ROUNDING START PER_STEP STILL".split()
-# Value that switches a rule off.
+# Value that disables a rule.
 OFF = {
     "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.STRIDE": "1e9",
     "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
@@ -61,12 +61,12 @@ def files(root):
 
 
 def room(path):
-    """Name of a file in the name of a rule."""
+    """Prefix of a rule's name: the name of its file or module."""
     return path.parent.name if path.stem == "mod" else path.stem
 
 
 def rules(root):
-    """Constants by name: kind, value."""
+    """Type and value of each constant, by name."""
     found = {}
     for path in files(root):
         for name, kind, value in CONSTANT.findall(path.read_text()):
@@ -82,7 +82,7 @@ def changed(kind, value, factor):
 
 
 def rewrite(root):
-    """Turns each use of a constant into a lookup."""
+    """Replaces each use of a constant by a lookup."""
     owners = {}
     for rule in rules(root):
         owners.setdefault(rule.split(".")[1], []).append(rule)
@@ -105,7 +105,7 @@ def rewrite(root):
 
 
 def build(out):
-    """Builds the rewritten sources; returns the program."""
+    """Builds the rewritten sources and returns the path of the program."""
     tree = out / "tree"
     shutil.rmtree(tree, ignore_errors=True)
     for name in subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.split():
@@ -114,7 +114,7 @@ def build(out):
     rewrite(tree)
     manifest = re.sub("^default-run.*\n", "", (tree / "Cargo.toml").read_text(), flags=re.M)
     (tree / "Cargo.toml").write_text(f'{manifest}\n[[bin]]\nname = "{PROGRAM}"\npath = "src/main.rs"\n')
-    # Beside the usual build, so that the dependencies are there already.
+    # The usual target folder, so that compiled dependencies are reused.
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", "target")).resolve()
     own = dict(os.environ, CARGO_TARGET_DIR=str(target), CARGO_INCREMENTAL="1")
     subprocess.run(["cargo", "build", "--release", "--bin", PROGRAM], cwd=tree, env=own, check=True)
@@ -122,7 +122,7 @@ def build(out):
 
 
 def run(program, case, rule):
-    """Outcome and iterations of one case."""
+    """Runs one case with `rule` and returns its outcome and number of iterations."""
     scene, *which = case.split("#")
     flags = [part for pair in zip(("--object", "--grasp"), which) if pair[1] for part in pair]
     command = [program, "run", scene, *flags, "-q", "--no-pictures", "--threads", "1", "--max-time", os.environ.get("LIMIT", "60"), "--format", "json"]
@@ -167,7 +167,7 @@ def main():
                 continue
             now = row(f"{name}={to}")
             lost = sum(a[0] != b[0] for a, b in zip(now, usual))
-            # Iterations where both end alike.
+            # Iterations of the cases with the same outcome.
             both = [(a[1], b[1]) for a, b in zip(now, usual) if a[0] == b[0]]
             change = sum(a for a, _ in both) / max(sum(b for _, b in both), 1) - 1
             cells.append(f"{lost}, {change:+.0%}" if lost or change else "same")

@@ -1,4 +1,4 @@
-//! Timings of the solver's parts: signed distance, assembly with factorisation, one whole press.
+//! Timings of signed distances and of complete presses.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
@@ -12,7 +12,7 @@ use tactus::model::grasp::poses_of;
 use tactus::scene::load;
 use tactus::world::environment::Environment;
 
-/// Closed forms and surface meshes, near the surface and far from it.
+/// Times signed distances in closed form and to surface meshes, near the surface and far from it.
 fn signed_distance(c: &mut Criterion) {
     let shapes = [generate::sphere(0.03, 64), generate::lemon(0.06, 0.044, 64)];
     for shape in shapes.into_iter().flatten() {

@@ -1,8 +1,9 @@
-"""Many grasps at once by PyTorch on a device, beside the engine on all cores: seconds by stage, grasps a second, and how far the answers differ.
+"""Batched prediction by PyTorch on a device, compared with the engine on all cores: times by stage, grasps per second,
+and the largest difference of the predictions.
 
 usage: torch_device.py SCENE [DEVICE] [GRASPS] [LOADS]      e.g. torch_device.py scenes/lemon.ron cuda 2048 12
 
-Needs the Python package of tactus, torch and safetensors. Poses are the scene's, taken again and again: an answer costs the same.
+Needs the Python package of tactus, torch and safetensors. The scene's poses are repeated, which does not affect times.
 """
 
 import sys
@@ -29,7 +30,7 @@ def now():
 
 
 with torch.inference_mode():
-    on(poses[:BATCH])  # Memory and kernels are there.
+    on(poses[:BATCH])  # Warm-up: allocates memory and loads kernels.
     seen, answered, worst = 0.0, 0.0, 0.0
     for part in np.split(poses, range(BATCH, grasps, BATCH)):
         start = now()

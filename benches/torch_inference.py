@@ -1,9 +1,9 @@
-"""The same weights and graph in PyTorch (eager) and ONNX Runtime: what a pass and all loads of a grasp cost there.
+"""Times of message passing and of all loads of a grasp in PyTorch (eager) and ONNX Runtime: same weights and graph.
 
 usage: torch_inference.py MODEL_DIR FILE.npz [THREADS...]      FILE.npz is from `tactus eval DATASET --model MODEL_DIR --dump`
 
-Needs torch, safetensors, numpy; onnx, onnxscript and onnxruntime where they are compared. `TACTUS_MODEL=MODEL_DIR cargo bench --bench
-inference` times our side; run both in turns on a quiet machine.
+Needs torch, safetensors and numpy; onnx, onnxscript and onnxruntime for ONNX Runtime. `TACTUS_MODEL=MODEL_DIR cargo
+bench --bench inference` times the engine of tactus; run both alternately on an otherwise idle machine.
 """
 
 import sys
@@ -15,7 +15,7 @@ import numpy as np
 import torch
 from safetensors.torch import load_file
 
-# Without the compiled half of the package.
+# Loads the file alone, without the compiled part of the package.
 spec = spec_from_file_location("face", Path(__file__).parents[1] / "python" / "tactus" / "face.py")
 face = module_from_spec(spec)
 spec.loader.exec_module(face)
@@ -26,7 +26,7 @@ levels = d["pad_load"].shape[0]
 
 
 def timed(work, seconds=1.0):
-    """Wall time, and processor time of all threads: the fair one on a busy machine."""
+    """Formats wall time and processor time of all threads; the latter is robust on a busy machine."""
     wall, processor, start = [], [], time.perf_counter()
     while len(wall) < 5 or time.perf_counter() - start < seconds:
         clocks = time.perf_counter(), time.process_time()
@@ -37,7 +37,7 @@ def timed(work, seconds=1.0):
 
 
 class Pass(torch.nn.Module):
-    """Message passing, once per grasp, as ONNX has it."""
+    """Message passing of a grasp as a module for export to ONNX."""
 
     def __init__(self):
         super().__init__()
@@ -52,7 +52,7 @@ with torch.inference_mode():
     for name, mine in network.decode(d, grasp, code).items():
         theirs = d[f"out_{name}"]
         size = theirs.norm()
-        if name in ("travel", "motion"):  # as in tests/network/torch_check.py: corrections, in units of what is usual
+        if name in ("travel", "motion"):  # normalised corrections, as in tests/network/torch_check.py
             size = size.clamp(min=theirs.numel() ** 0.5)
         error = ((mine.reshape(theirs.shape) - theirs).norm() / size).item()
         assert error < 1e-5, f"{name} differs by {error}"

@@ -13,7 +13,7 @@
 
 pub use backend;
 pub use base;
-pub use bench;
+pub use ::bench as bench;
 pub use cli;
 pub use dataset;
 pub use env;

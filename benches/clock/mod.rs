@@ -1,11 +1,11 @@
-//! Best times, and the rate of arithmetic that they are compared with.
+//! Best-of-several times and the arithmetic rate with which they are compared.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Wall time of `work`, the best of at least five turns and half a second, s.
+/// Measures the wall time of `work`, s: the minimum over at least five repetitions and half a second.
 pub fn best(mut work: impl FnMut()) -> f64 {
     let (start, mut best, mut turns) = (Instant::now(), f64::INFINITY, 0);
     while turns < 5 || start.elapsed().as_secs_f64() < 0.5 {
@@ -17,7 +17,7 @@ pub fn best(mut work: impl FnMut()) -> f64 {
     best
 }
 
-/// Products of large matrices by `faer`, which uses the widest registers that there are, floating-point operations a second of one thread.
+/// Measures the rate of products of large matrices by `faer` (with the widest available registers), one thread, FLOP/s.
 pub fn sgemm() -> f64 {
     let (m, n) = (1536, 384);
     let matrix = |rows: usize, cols: usize| Mat::from_fn(rows, cols, |i, j| ((i * cols + j) as f32 * 0.37).sin());

@@ -1,6 +1,6 @@
 # Time of a data set
 
-# Some grasps of each object of scenes/paper.ron on all cores; the whole data set has a hundred.
+# Generates four grasps of each object of scenes/paper.ron on all cores; the full data set has a hundred.
 data_set() {
     local grasps=4 spent
     rm -rf "$OUT/data_set"

@@ -1,6 +1,6 @@
 # Environments
 
-# Beside finite elements the network of the tasks, made as docs/rl.md says; its picture goes to docs.
+# Finite elements and the network of the tasks, which is trained as in docs/rl.md; the figure is copied to docs.
 environments() {
     local model=out/tasks_model
     if [ ! -d $model ]; then

@@ -1,6 +1,6 @@
 # How times grow
 
-# Row $1: the time of the rest with its last number $2, and with $3 in place of it.
+# Row with the title $1: times of a command with the last argument $2 and with $3, and the exponent of growth.
 grows() {
     local what=$1 small=$2 large=$3
     shift 3
@@ -8,7 +8,7 @@ grows() {
         awk -F'|' '{ printf "| %s | %d | %d | %.2f | %.2f | %.2f |\n", $1, $2, $3, $4, $5, log($5 / $4) / log($3 / $2) }'
 }
 
-# How times grow: exponents of the number that is varied.
+# Exponents of growth of the time with the number that is varied.
 growth() {
     local lemons=tests/network/lemons.ron
     echo '| number of | from | to | s | s | exponent |'

@@ -1,6 +1,6 @@
 # Hard cases and the methods they take
 
-# Every scene of scenes/torture and scenes/dynamic with the methods that it took.
+# Runs every scene of scenes/torture and scenes/dynamic and lists the continuation methods used.
 hard_cases() {
     local scene name
     echo '| scene | outcome | iterations | methods |'

@@ -1,6 +1,7 @@
 # A pass of the network beside PyTorch and ONNX Runtime
 
-# Message passing and all 50 loads of a grasp by the engine, PyTorch and ONNX Runtime: the same weights, graphs of the same size.
+# Times of message passing and of all 50 loads of a grasp in the engine, PyTorch and ONNX Runtime, with the same weights
+# and graphs of the same size.
 inference() {
     local set=$OUT/inference_$commit
     tactus dataset scenes/lemon.ron --grasps 1 --frames 50 -o "$set" > /dev/null || [ $? -eq 1 ]

@@ -1,10 +1,11 @@
 # Error of the network that ships, against a mesh 1.4 times as fine
 
-# Row $1: errors of the network on the split $3 of the data set $2 that the rest makes; it is made again only when mechanics or scenes change.
+# Row with the title $1: errors of the network on split $3 of data set $2, generated with the remaining arguments. It is
+# generated again only after changes of the mechanics or the scenes.
 judged() {
     local what=$1 set=$OUT/$2_$mechanics split=$3
     shift 3
-    # A grasp that does not reach its force is not a failure of the measurement.
+    # Exit status 1 means that a grasp did not reach its force; this does not invalidate the measurement.
     tactus dataset "$@" -o "$set" > /dev/null || [ $? -eq 1 ]
     tactus eval "$set" --split "$split" --extrapolate --model universe | tee "$set.txt" | awk -v what="$what" '
         NR == 1 { grasps = $1 }

@@ -1,6 +1,6 @@
 # Ten objects, whole pads and condensed ones
 
-# The first grasp of each object of scenes/paper.ron to 15 N in 50 frames, on the pads that are recorded.
+# The first grasp of each object of scenes/paper.ron to 15 N in 50 frames, solved directly on the recorded mesh.
 objects() {
     local object solver whole condensed column command
     sed 's/, mesh: (finer: [^)]*)//' scenes/paper.ron > "$OUT/objects.ron"

@@ -1,6 +1,7 @@
 # A press beside other systems
 
-# The ball pressed into one pad by a force that rises to 10 N, in 50 steps, one thread each; 1 mm at 2.548 N on converged meshes.
+# A ball pressed into one pad by a force that rises to 10 N in 50 steps, on one thread. On converged meshes the depth is
+# 1 mm at 2.548 N.
 peers() {
     local pad elements cells solver scene nodes spent peer root=$PWD
     echo '| system | elements | nodes | depth at 2.548 N, mm | error | processor ms a step, best of three |'
@@ -20,7 +21,7 @@ peers() {
             done
         done
         for peer in mujoco drake; do
-            # They write logs where they run. Their mesh is that of the linear pad.
+            # These programs write logs to the working directory. Their mesh is that of the linear pad.
             [ -d ../shared/bench ] && (cd "$OUT" && OMP_NUM_THREADS=1 "$python" "$root/../shared/bench/${peer}_press.py" pad_1k 2> /dev/null) |
                 sed -n 's/^\([a-z]*\) .*cpu\/step \([0-9.]*\) ms depth mm at [^ ]* N \([0-9.-]*\) .*/\1|linear|1105|\3|\2/p'
         done || true
@@ -28,7 +29,7 @@ peers() {
     printf '\nFor tactus the time of the whole program, start and meshing included; for the others that of their step calls alone, with settings tuned by hand until they pressed at all.\n'
 }
 
-# README has the systems on pads of as many nodes.
+# Rows for the README: the systems with pads of the same number of nodes.
 readme_peers() {
     echo '| system | elements | error of the depth at 2.548 N | ms a step | contact forces of nodes |'
     echo '|---|---|---|---|---|'

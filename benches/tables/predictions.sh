@@ -1,6 +1,6 @@
 # Grasps a second by the network
 
-# Grasps a second of `tactus predict` on lemons, with the options that follow.
+# Grasps per second of `tactus predict` on lemons, with the given options.
 a_second() { tactus predict tests/network/lemons.ron "$@" 2> /dev/null | sed -n 's/.* on [0-9]* threads, \([0-9]*\) a second.*/\1/p'; }
 
 predictions() {

@@ -1,6 +1,6 @@
 # A press against a converged force
 
-# A ball of 6 mm radius pressed 1 mm into a pad of E = 0.3 MPa, nu = 0.45, without friction: 2.548 N on converged meshes.
+# A ball of radius 6 mm pressed 1 mm into a frictionless pad, E = 0.3 MPa, nu = 0.45: 2.548 N on converged meshes.
 press() {
     local scene seconds
     echo '| setting | nodes | force at 1 mm, N | error | s |'

@@ -1,7 +1,7 @@
-# What each constant of the solver is worth
+# Sensitivity to each constant of the solver
 
-# Scenes of torture that end within seconds, and four grasps of each of four scans that turn and slide; a case that takes longer than LIMIT
-# seconds is lost. Some hours on two cores; stopped at any moment it goes on from there.
+# Scenes of scenes/torture that end within seconds, and four grasps of each of four scans that rotate and slide; a case
+# that takes longer than LIMIT seconds counts as lost. Takes some hours on two cores; after an interruption it resumes.
 rules() {
     local data=${DATA:-../shared/data/objects} file name cases=(scenes/torture/*.ron scenes/lemon.ron scenes/push.ron)
     for name in sphere01 cylinder02 lemon01 rectangle; do

@@ -1,9 +1,10 @@
 # Scanned objects with their own grasps
 
-# Twenty grasps of each of sixteen objects of DefGraspSim and YCB, to 15 N in ten frames, as `DATA/FOLDER/*_grasps.h5` beside a mesh; DATA is
-# ../shared/data/objects unless it is given. Grasps that start inside the object are left out.
+# Twenty grasps of each of sixteen objects of DefGraspSim and YCB, to 15 N in ten frames. The grasps are in
+# `DATA/FOLDER/*_grasps.h5` next to a mesh; DATA is ../shared/data/objects by default. Grasps that start inside the
+# object are excluded.
 
-# Scene of the grasps in the file $1, around the mesh beside it.
+# Prints a scene with the grasps in the file $1 and the mesh next to it.
 scan_scene() {
     local mesh=${1%_grasps.h5}_processed.stl
     [ -f "$mesh" ] || mesh=${1%_grasps.h5}.obj

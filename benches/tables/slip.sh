@@ -1,6 +1,6 @@
 # Load at which the object slips
 
-# Frames that each grasp of tests/network/slip.ron holds: three of squeeze, then thirty of push.
+# Number of frames that each grasp of tests/network/slip.ron holds: three of squeeze, then thirty of push.
 slip() {
     local backend
     for backend in condensed "gnn --extrapolate"; do

@@ -6,7 +6,7 @@ squeeze() {
     tactus report "$OUT/squeeze" -o "$OUT/squeeze.html" | sed '1d; /^'"${OUT//\//\\/}"'/d'
 }
 
-# README has three columns of the squeeze, for the settings that a reader chooses between.
+# Rows for the README: three columns of the table, for the recommended settings.
 readme_squeeze() {
     awk -F'|' '
         /^\| setting/ { print "| setting | s a grasp | displacement, median / 90 % / worst, % |"; print "|---|---|---|" }

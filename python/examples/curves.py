@@ -1,4 +1,4 @@
-"""Curves of training and what was learned in the end: one panel for each folder of `ppo.py` or `stable_baselines.py`.
+"""Learning curves and final returns: one panel for each folder of `ppo.py` or `stable_baselines.py`.
 
     python python/examples/curves.py out/ppo/hold out/ppo/squeeze out/ppo/regrasp -o ppo.png
 """
@@ -12,7 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-# Steps on it, label, colour.
+# Label and colour of each stage of training.
 STAGES = {"network": ("training on the network", "C0"), "fem": ("training on finite elements", "C1")}
 
 

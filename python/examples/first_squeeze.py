@@ -1,4 +1,4 @@
-"""Your own mesh: squeezed, drawn, predicted, and how far the prediction is off."""
+"""Squeezes your own mesh, draws the result, and compares it with the prediction of the network."""
 import argparse
 from pathlib import Path
 

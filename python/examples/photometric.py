@@ -1,10 +1,10 @@
-"""Images of a GelSight from the height maps of a run: three lights on the deformed gel, by Lambert's law.
+"""GelSight images from the height maps of a run: three lights on the deformed gel, by Lambert's law.
 
     tactus run scenes/photometric.ron -o out/photometric
     python python/examples/photometric.py out/photometric
 
-A real sensor has a table from the slope of the gel to colour, measured with a ball of known size; here it follows from where the
-lights stand. The table is all that has to be replaced to look like a sensor of one's own.
+A real sensor is calibrated by a table from the slope of the gel to colour, measured with a ball of known size; here the
+table is computed from the directions of the lights. To imitate a particular sensor, replace this table.
 """
 
 import argparse
@@ -16,29 +16,29 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-# Direction to the red, green and blue light, about z of the pad, degrees; and how far they stand above the gel.
+# Azimuth of the red, green and blue light about z of the pad, and their elevation above the gel, degrees.
 AROUND, ABOVE = (0.0, 120.0, 240.0), 25.0
 AMBIENT, BRIGHTNESS = 0.25, 0.8
-# Slopes of the table, and how many along x and y.
+# Largest slope of the table, and number of slopes along x and y.
 STEEPEST, STEPS = 1.5, 257
-# What the lens does not resolve, m: the slope of the gel jumps from element to element.
+# Width of the lens blur, m; it smooths the jumps of the gel's slope between elements.
 BLUR = 0.4e-3
 
 
 def table():
-    """Colour of a gel with slope (along x, along y): (steps, steps, 3)."""
+    """Returns the colour of a gel by its slopes along x and y: (steps, steps, 3)."""
     slopes = np.linspace(-STEEPEST, STEEPEST, STEPS)
     along_x, along_y = np.meshgrid(slopes, slopes, indexing="ij")
     normal = np.stack([-along_x, -along_y, np.ones_like(along_x)], -1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     around, above = np.radians(AROUND), np.radians(ABOVE)
-    # The lights are beside the camera, on the side of the gel that nothing touches.
+    # The lights are next to the camera, behind the gel.
     to_light = np.stack([np.cos(around) * np.cos(above), np.sin(around) * np.cos(above), np.full(3, np.sin(above))])
     return AMBIENT + BRIGHTNESS * np.maximum(normal @ to_light, 0)
 
 
 def blurred(values, widths):
-    """Values (rows, cols) as a lens with a Gaussian of these widths, in pixels, makes of them."""
+    """Returns the values (rows, cols) blurred by a Gaussian of these widths, in pixels."""
     for axis, width in enumerate(widths):
         reach = int(np.ceil(3 * width))
         weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
@@ -48,7 +48,7 @@ def blurred(values, widths):
 
 
 def photograph(height, size, colours):
-    """What the camera sees of a height map (rows, cols) in m over a face of `size` m: (rows, cols, 3), 0 to 1."""
+    """Returns the camera image of a height map (rows, cols) in m over a face of `size` m: (rows, cols, 3), 0 to 1."""
     spacing = [length / count for length, count in zip(size, height.shape)]
     slopes = np.gradient(blurred(height, [BLUR / length for length in spacing]), *spacing)
     slopes = np.stack(slopes, -1)

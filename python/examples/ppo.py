@@ -1,5 +1,5 @@
-"""PPO (Schulman et al. 2017), after CleanRL: learns a task on the network, goes on on finite elements if it is asked to, and is judged
-on seeds that it never saw, beside constant forces and chance (`referee.py`).
+"""PPO (Schulman et al. 2017), after CleanRL: trains on the network, optionally continues on finite elements, and
+evaluates on held-out seeds, compared with constant forces and a random policy (`referee.py`).
 
     python python/examples/ppo.py scenes/tasks/hold.ron --model out/tasks_model --out out/ppo/hold
 """
@@ -32,7 +32,7 @@ torch.set_num_threads(1)
 
 
 class Scaler:
-    """Running mean and deviation (Welford 1962)."""
+    """Normalisation by running mean and standard deviation (Welford 1962)."""
 
     def __init__(self, size):
         self.mean, self.square, self.count = np.zeros(size), np.ones(size), 1e-4
@@ -48,7 +48,7 @@ class Scaler:
 
 
 def flat(obs, last):
-    """Observations and last action side by side: who regrasps has to know where the hand is."""
+    """Concatenates observations and last action, which contains the position of the hand for regrasping."""
     return np.concatenate([*(a.reshape(len(a), -1) for a in obs.values()), last], axis=1).astype(np.float64)
 
 
@@ -72,11 +72,11 @@ def net(out, gain):
 actor, critic, spread = net(acts, 0.01), net(1, 1.0), nn.Parameter(torch.full((acts,), -0.5))
 parameters = [*actor.parameters(), *critic.parameters(), spread]
 adam = torch.optim.Adam(parameters, eps=1e-5)
-# Rewards are divided by the deviation of their discounted sums: one rate fits all tasks.
+# Rewards are divided by the standard deviation of their discounted sums, so that one learning rate suits all tasks.
 scale, pay = Scaler(size), Scaler(1)
 
 
-# (steps, what they were taken on, mean return of the last 200 episodes)
+# (steps, stage of training, mean return of the last 200 episodes)
 curve = []
 if args.start:
     kept = torch.load(args.start, weights_only=False)
@@ -86,7 +86,7 @@ if args.start:
 
 
 def keep():
-    """Writes policy and curve, so that work done is not lost."""
+    """Writes policy and curve, so that an interrupted training can be resumed."""
     kept = {"actor": actor.state_dict(), "critic": critic.state_dict(), "spread": spread.data}
     kept |= {"scale": scale, "pay": pay, "curve": curve}
     torch.save(kept, args.out / "policy.part")
@@ -105,7 +105,7 @@ def learned(obs, last):
 
 
 def train(env, stage, steps, rate, margin=0.0):
-    """Goes on learning in `env` for `steps` steps, and draws `curve` on; a step that leaves less than `margin` of the friction limit costs 1."""
+    """Trains in `env` for `steps` steps and extends `curve`; a step with a friction margin below `margin` costs 1."""
     begin, before = time.perf_counter(), curve[-1][0] if curve else 0
     last = np.zeros((args.envs, acts), np.float32)
     seen = flat(env.reset(seed=args.seed)[0], last)
@@ -130,7 +130,7 @@ def train(env, stage, steps, rate, margin=0.0):
             pay.update(discounted[:, None])
             returns += running[done].tolist()
             running[done] = discounted[done] = 0
-            # The step after an end starts the next episode and takes no action: it is not learnt from.
+            # The step after the end of an episode resets and ignores its action; it is excluded from learning.
             reward = (reward / pay.square[0] ** 0.5).astype(np.float32)
             for key, value in zip(buffer, (x, a, logp, v, reward, done, ~fresh)):
                 buffer[key].append(torch.as_tensor(value))
@@ -154,7 +154,7 @@ def train(env, stage, steps, rate, margin=0.0):
 
 
 def learn(flatten, adv):
-    """Improves policy and critic by a batch of steps."""
+    """Updates policy and critic with a batch of steps."""
     target = adv + flatten["v"]
     use = flatten["use"].nonzero()[:, 0]
     for _ in range(args.epochs):

@@ -1,4 +1,4 @@
-"""A random policy, and how many steps of an environment a second it gets.
+"""Environment steps per second with a random policy.
 
     python examples/random_policy.py ../scenes/tasks/hold.ron --model out/tasks_model --envs 64 --seconds 10
 """

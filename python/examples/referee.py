@@ -1,6 +1,7 @@
-"""The judge of what was learned: whole episodes on seeds that no training saw, beside constant forces and chance.
+"""Evaluation of policies: complete episodes on held-out seeds, compared with constant forces and a random policy.
 
-A policy is a function of the observations (a dictionary of arrays) and of its last actions (N, size); it returns actions (N, size).
+A policy is a function of the observations (a dictionary of arrays) and its last actions (N, size); it returns actions
+(N, size).
 """
 
 import argparse
@@ -12,22 +13,22 @@ import numpy as np
 
 import tactus
 
-# Kept apart from the seeds of training.
+# First seed of the evaluation, distinct from the seeds of training.
 HELD_OUT = 1_000_003
-# Constant forces, as parts of the range of the task.
+# Constant forces as fractions of the task's range.
 FORCES = np.linspace(0, 1, 9)
 
 
 def arguments(out):
-    """The arguments that all learners have; curves and results go to the folder `out` unless told otherwise."""
+    """Returns a parser with the arguments common to all learners; `out` is the default folder of curves and results."""
     parser = argparse.ArgumentParser(formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     parser.add_argument("scene")
     parser.add_argument("--model", help="folder of a trained network; without it the scene's backend")
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--steps", type=int, default=200_000, help="on the network")
-    # A network says less surely than finite elements what holds.
+    # The network predicts less accurately than finite elements whether an object is held.
     parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
-    # Where every step grasps anew, what it earns says all of it: 0.
+    # Use 0 where every step is a new grasp: its reward is then the complete return.
     parser.add_argument("--gamma", type=float, default=0.97)
     parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")
     parser.add_argument("--seed", type=int, default=1)
@@ -38,7 +39,9 @@ def arguments(out):
 
 
 def steady(scene, part, size):
-    """The policy that keeps the force at `part` (0 to 1) of the task's range; where actions are rates it goes there at the highest."""
+    """Returns a policy of constant force, at `part` (0 to 1) of the task's range, and this force, N. If actions are
+    rates, the policy approaches it at the largest rate.
+    """
     text = tactus.load(scene).ron(tactus.load(scene).objects[0])
     least, most = map(float, re.search(r"task: \(.*?\bforce: \(([^,]+), ([^)]+)\)", text, re.S).groups())
     rate = re.search(r"control: Rate\(([^)]+)\)", text)
@@ -54,12 +57,12 @@ def steady(scene, part, size):
 
 
 def play(act, scene, episodes, seed=HELD_OUT, **settings):
-    """Return of one whole episode in each of `episodes` environments, and whether its object was lost in the end."""
+    """Plays one episode in each of `episodes` environments; gives returns and whether objects were lost at the end."""
     env = tactus.VectorEnv(scene, episodes, **settings)
     obs, _ = env.reset(seed=seed)
     last = np.zeros(env.action_space.shape, np.float32)
     total, lost, runs = np.zeros(episodes), np.zeros(episodes, bool), np.ones(episodes, bool)
-    # What has ended grips hard: an object that is lost again and again costs a grasp each time.
+    # Environments whose episode has ended squeeze hard: each loss of the object would cost a new grasp.
     hard = np.eye(1, last.shape[1], dtype=np.float32)
     while runs.any():
         last = np.where(runs[:, None], np.clip(act(obs, last), -1, 1), hard)
@@ -71,8 +74,9 @@ def play(act, scene, episodes, seed=HELD_OUT, **settings):
 
 
 def judge(policies, scene, episodes, path=None, **settings):
-    """Prints, for policies by name, mean return with its standard error, objects lost, and by how much they beat the best constant
-    force, episode by episode; writes all but the last to a CSV file. The constant force is the best of nine in these very episodes.
+    """Prints, for policies by name, the mean return with its standard error, the fraction of objects lost, and the
+    paired difference to the best constant force; writes all but the differences to a CSV file. The best constant force
+    is that of nine in the same episodes.
     """
     size = tactus.VectorEnv(scene, 1, objects=tactus.load(scene).objects[:1], **settings).single_action_space.shape[0]
     rng = np.random.default_rng(0)
@@ -94,5 +98,5 @@ def judge(policies, scene, episodes, path=None, **settings):
 
 
 def error(values):
-    """Standard error of the mean."""
+    """Returns the standard error of the mean."""
     return np.std(values, ddof=1) / len(values) ** 0.5

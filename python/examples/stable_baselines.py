@@ -1,4 +1,4 @@
-"""PPO of Stable-Baselines3: learns a task on the network, goes on on finite elements if it is asked to, and is judged as by `ppo.py`.
+"""PPO of Stable-Baselines3: trains on the network, optionally continues on finite elements, evaluates as `ppo.py` does.
 
     python python/examples/stable_baselines.py scenes/tasks/hold.ron --model out/tasks_model --out out/sb3/hold
 """
@@ -23,7 +23,7 @@ torch.set_num_threads(1)
 
 
 class LastAction(VecEnvWrapper):
-    """Adds the last action to the observations: who regrasps has to know where the hand is."""
+    """Adds the last action, which contains the position of the hand for regrasping, to the observations."""
 
     def __init__(self, venv):
         own = gym.spaces.Dict({**venv.observation_space.spaces, "last_action": venv.action_space})
@@ -46,7 +46,7 @@ class LastAction(VecEnvWrapper):
 
 
 class Margin(VecEnvWrapper):
-    """Takes 1 off the reward of a step that holds the object, but leaves less than `margin` of the friction limit."""
+    """Reduces the reward by 1 for steps that hold the object with a friction margin below `margin`."""
 
     def __init__(self, venv, margin):
         super().__init__(venv)
@@ -57,13 +57,13 @@ class Margin(VecEnvWrapper):
 
     def step_wait(self):
         obs, reward, done, infos = self.venv.step_wait()
-        # The infos of an episode that ends are those of the next one.
+        # At the end of an episode the infos are those of the next one.
         slack = [not end and info["held"] and info["margin"] < self.margin for end, info in zip(done, infos)]
         return obs, reward - np.array(slack, np.float32), done, infos
 
 
 class Curve(BaseCallback):
-    """Keeps the policy and the mean return of the last 200 episodes after each rollout."""
+    """Saves the policy and the mean return of the last 200 episodes after each rollout."""
 
     def __init__(self, stage, rows):
         super().__init__()
@@ -78,7 +78,7 @@ class Curve(BaseCallback):
         print(f"{self.num_timesteps} steps: return {self.rows[-1][2]:.2f}", flush=True)
         self.model.save(args.out / "policy.part")
         self.model.get_vec_normalize_env().save(args.out / "normalize.part")
-        # A stop in between leaves what the rollout before had.
+        # Files are replaced as a whole, so that an interruption leaves those of the previous rollout.
         (args.out / "normalize.part").replace(args.out / "normalize.pkl")
         (args.out / "policy.part").replace(args.out / "policy.zip")
         with open(args.out / "curve.csv", "w", newline="") as file:
@@ -87,7 +87,7 @@ class Curve(BaseCallback):
 
 def make(model):
     env = VecEnv(args.scene, args.envs, model=model, threads=args.threads, seed=args.seed)
-    # Curves show the rewards of the task.
+    # Monitored inside `Margin`, so that curves show the rewards of the task.
     watched = VecMonitor(LastAction(env))
     return VecNormalize(Margin(watched, args.margin) if model else watched, gamma=args.gamma)
 
@@ -117,7 +117,7 @@ if args.model:
     judge("network", model=args.model)
     if args.refine:
         fem = make(None)
-        # Observations and rewards stay in the units that the policy knows.
+        # Observations and rewards keep the normalisation of the training on the network.
         fem.obs_rms, fem.ret_rms = env.obs_rms, env.ret_rms
         agent.set_env(fem)
         agent.learn(args.refine, callback=Curve("fem", curve), reset_num_timesteps=False)

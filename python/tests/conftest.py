@@ -1,4 +1,4 @@
-"""A small data set and a small network, made once for all tests that need one; signals as tests need them."""
+"""Small data set and network shared by all tests, and the signal handler that tests require."""
 
 import signal
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 
 import tactus
 
-# A shell without job control starts what stands in its background with SIGINT ignored, and Python and its children leave it so.
+# A shell without job control starts background processes with SIGINT ignored, which Python and its children inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SMALL = """Scene(
@@ -33,7 +33,7 @@ MODEL = """Model(
 
 
 class Made(NamedTuple):
-    """Folder of what a command made, its report, and all that its progress told."""
+    """Output folder of a command, its report, and all calls of its progress function."""
 
     folder: Path
     report: tactus.Report
@@ -42,19 +42,19 @@ class Made(NamedTuple):
 
 @pytest.fixture(scope="session")
 def small():
-    """A ball with six grasps of three frames."""
+    """Returns a scene of a ball with six grasps of three frames."""
     return tactus.Scene.from_ron(SMALL)
 
 
 @pytest.fixture(scope="session")
 def two():
-    """Two objects with five grasps of three frames each."""
+    """Returns a scene of two objects with five grasps of three frames each."""
     return tactus.Scene.from_ron(TWO)
 
 
 @pytest.fixture(scope="session")
 def data_set(two, tmp_path_factory):
-    """The data set of two objects."""
+    """Generates the data set of two objects."""
     folder, told = tmp_path_factory.mktemp("data") / "set", []
     report = tactus.dataset(two, folder, progress=lambda *news: told.append(news))
     return Made(folder, report, told)
@@ -62,7 +62,7 @@ def data_set(two, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def trained(data_set, tmp_path_factory):
-    """A network trained on the data set."""
+    """Trains a network on the data set."""
     folder, told = tmp_path_factory.mktemp("model"), []
     (folder / "tiny.ron").write_text(MODEL)
     progress = lambda *news: told.append(news)  # noqa: E731

@@ -1,6 +1,6 @@
-"""`docs/python-api.md` is made from the docstrings of the package.
+"""`docs/python-api.md` is generated from the docstrings of the package.
 
-`TACTUS_WRITE_DOCS=1 pytest python/tests/test_api.py` writes it anew.
+`TACTUS_WRITE_DOCS=1 pytest python/tests/test_api.py` writes it again.
 """
 
 import inspect
@@ -21,7 +21,7 @@ quaternions are (w, x, y, z). [python.md](python.md) shows how it is used.
 
 
 def signature(function) -> str:
-    """Arguments with types and defaults, as they are written."""
+    """Returns the arguments with types and defaults as written in the source."""
     shown, before = [], None
     for name, p in inspect.signature(function).parameters.items():
         if name in ("self", "cls"):
@@ -32,7 +32,7 @@ def signature(function) -> str:
         default = "" if p.default is p.empty else f" = {p.default!r}"
         shown.append(f"{stars}{name}: {p.annotation}{default}")
         before = p.kind
-    # A line each where one does not hold them.
+    # One argument per line if they do not fit on one line.
     line = ", ".join(shown)
     return f"({line})" if len(line) < 80 else "(\n    " + ",\n    ".join(shown) + ",\n)"
 
@@ -47,7 +47,7 @@ def paragraphs(item) -> str:
 
 
 def listed(text: str) -> str:
-    """The same text with a list in place of lines that begin with the name of a field."""
+    """Returns the text with lines that begin with the name of a field turned into a list."""
     names = re.compile(r"^([a-z][a-z0-9_]*(?:, [a-z][a-z0-9_]*)*): ", re.M)
     return names.sub(lambda match: f"- `{match[1].replace(', ', '`, `')}`: ", text)
 

@@ -1,4 +1,4 @@
-"""The commands of the command line from Python."""
+"""Commands of the command line, called from Python."""
 
 import logging
 from pathlib import Path

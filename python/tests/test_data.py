@@ -96,7 +96,7 @@ def test_processes_read_beside_each_other(folder, start):
 
 def test_torch_takes_it(folder):
     torch = pytest.importorskip("torch")
-    # Without a common shape of the objects' surfaces, but of the same pads.
+    # Objects differ in the shape of their surface arrays, but their pads are the same.
     loader = torch.utils.data.DataLoader(tactus.DataSet(folder), batch_size=4, num_workers=2, shuffle=True)
     batches = list(loader)
     assert sum(len(batch["object"]) for batch in batches) == len(tactus.DataSet(folder))

@@ -1,4 +1,4 @@
-"""The environments as Gymnasium wants them, on the FEM backend (the network's contract is tested in Rust)."""
+"""Environments conform to Gymnasium, with finite elements (tests of environments with the network are in Rust)."""
 
 import copy
 import pickle
@@ -43,7 +43,7 @@ def test_spaces_and_types_are_what_they_say(mode):
 
 def test_the_last_observation_of_an_episode_is_kept():
     same, following = vector(autoreset_mode=AutoresetMode.SAME_STEP), vector()
-    # Both balls of this seed are held to the end; a lost one would begin anew and end later.
+    # With this seed both balls are held to the end; a dropped one would be reset and end later.
     same.reset(seed=1), following.reset(seed=1)
     for _ in range(3):
         action = np.full((2, 1), 0.8, np.float32)
@@ -229,7 +229,7 @@ def test_returns_and_lengths_of_episodes_are_recorded(mode):
             assert np.array_equal(infos["_episode"], done)
             assert np.allclose(infos["episode"]["r"][done], paid[done], atol=1e-6)
             assert np.array_equal(infos["episode"]["l"][done], taken[done])
-        # A step that only resets is none of an episode.
+        # A step that only resets does not belong to an episode.
         fresh = done & (mode == AutoresetMode.NEXT_STEP)
         paid[done], taken[done], ends = 0, 0, ends + done.sum()
     assert ends >= 4

@@ -1,4 +1,4 @@
-"""Ctrl-C ends what Rust is in the middle of, as KeyboardInterrupt, and nothing is broken afterwards."""
+"""Ctrl-C interrupts computations in Rust with KeyboardInterrupt and leaves all objects usable."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ import tactus
 
 HOLD = Path(__file__).parents[2] / "scenes" / "tasks" / "hold.ron"
 
-# Half a minute and more without an interruption.
+# Takes half a minute or more without an interruption.
 LONG = """Scene(
     object: (shape: Sphere(radius: 0.02)),
     grasps: Antipodal(count: 40, seed: 1),
@@ -23,7 +23,7 @@ LONG = """Scene(
     loading: Squeeze(force: 15.0, frames: 50),
 )"""
 
-# Far above what an end takes, far below what the work takes.
+# Time limit of an interruption, s: far longer than it takes, far shorter than the work.
 SOON = 5.0
 
 
@@ -35,7 +35,7 @@ def long(tmp_path):
 
 
 def interrupted(work, after=1.5):
-    """Does `work` until a Ctrl-C ends it; returns how long that took, s."""
+    """Runs `work` until Ctrl-C interrupts it; returns the time from the signal to the end, s."""
     sent = []
 
     def send():
@@ -96,7 +96,7 @@ def test_steps_end_and_a_reset_begins_the_same_episodes(tmp_path):
     first, _ = env.reset()
     interrupted(endless, after=2.0)
     try:
-        # It came between two steps.
+        # Reached if the signal came between two steps.
         env.step(np.zeros((64, 1)))
     except ValueError as error:
         assert "steps before its first reset" in str(error)
@@ -144,7 +144,7 @@ def test_a_thread_beside_the_main_one_is_ended_too(long):
 
 
 def test_tests_in_the_background_of_a_shell_are_interrupted_too():
-    """A shell without job control starts them with SIGINT ignored."""
+    """A shell without job control starts background processes with SIGINT ignored."""
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"{__file__}::test_a_reset_ends"]
     ignored = lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)  # noqa: E731
     done = subprocess.run(command, preexec_fn=ignored, capture_output=True, text=True, timeout=120)

@@ -1,4 +1,4 @@
-"""Example and notebooks run as a reader runs them."""
+"""The first example and the notebooks run unmodified."""
 
 import json
 import re
@@ -30,7 +30,7 @@ def test_an_own_mesh_is_squeezed_predicted_and_drawn_by_twenty_lines(tmp_path):
     mesh = tmp_path / "own.obj"
     shape = {"shape": ron.Pear(length=0.07, diameter=0.05)}
     tactus.check(tactus.scene(object=shape, loading=ron.Squeeze(force=10.0)), export=mesh)
-    # In millimetres, as most CAD writes.
+    # Coordinates in millimetres, as most CAD programs write them.
     corner = lambda row: " ".join(["v", *(f"{1e3 * float(x)}" for x in row[1].split())])  # noqa: E731
     mesh.write_text(re.sub(r"^v (.*)$", corner, mesh.read_text(), flags=re.M))
     script = ROOT / "examples" / "first_squeeze.py"
@@ -38,6 +38,6 @@ def test_an_own_mesh_is_squeezed_predicted_and_drawn_by_twenty_lines(tmp_path):
     done = subprocess.run([sys.executable, script, mesh, "--scale=0.001"], cwd=tmp_path, capture_output=True, text=True, check=True)
     rows = re.findall(r"grasp (\d): (\d+) times as fast, ([\d.]+)% off; it says at most ([\d.]+)%", done.stdout)
     assert [row[0] for row in rows] == ["0", "1", "2"], done.stdout + done.stderr
-    # Wrong by as much as is measured on shapes that it never saw: `docs/results.md`.
+    # The error is of the size measured on shapes unseen in training: `docs/results.md`.
     assert all(float(off) < 30 for _, _, off, _ in rows), rows
     assert len(list(tmp_path.glob("grasp_*.png"))) == 3

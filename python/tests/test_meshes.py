@@ -1,4 +1,4 @@
-"""Pictures and meshes of grasps, where the packages for them are installed."""
+"""Plots and meshes of grasps, for packages that are installed."""
 
 import builtins
 import importlib

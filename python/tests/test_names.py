@@ -1,4 +1,4 @@
-"""The arrays that Python gives have the names and shapes of the documentation."""
+"""The arrays returned to Python have the documented names and shapes."""
 
 import dataclasses
 from pathlib import Path
@@ -24,7 +24,7 @@ MOVING = """Scene(
 
 
 def documented(place: str) -> dict[str, str]:
-    """Shapes in `tactus.run` by name: those that begin with `place`."""
+    """Returns the documented shapes in `tactus.run` that begin with `place`, without this prefix, by name."""
     text = (ROOT / "docs" / "data-format.md").read_text().split("\n## Arrays")[1].split("\n## ")[0]
     rows = [line.split("|") for line in text.replace("\\|", "").splitlines() if line.startswith("| `")]
     shapes = {row[1].strip(" `"): row[5].strip() for row in rows}
@@ -37,7 +37,7 @@ def assert_documented(value, shapes: dict[str, str], sizes: dict[str, int]) -> N
     for name, shape in shapes.items():
         wanted = [sizes.get(n.strip(), n.strip()) for n in shape.strip("()* ").split(",")]
         assert len(wanted) == arrays[name].ndim, name
-        # These are of a mesh, and not told anywhere else.
+        # These sizes depend on the mesh and are not stored elsewhere.
         free = ("k", "4 or 10")
         assert all(w in free or int(w) == n for w, n in zip(wanted, arrays[name].shape)), name
 

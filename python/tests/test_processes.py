@@ -1,4 +1,4 @@
-"""Environments in other processes, however these are started: after a fork the threads of the parent are gone."""
+"""Environments in child processes for every start method; a forked child lacks the threads of its parent."""
 
 import multiprocessing
 import os
@@ -12,14 +12,14 @@ import tactus
 
 HOLD = Path(__file__).parents[2] / "scenes" / "tasks" / "hold.ron"
 SETTINGS = dict(objects=["sphere"], max_steps=3, threads=2)
-# Nothing here takes a tenth of it.
+# Timeout, s; every operation takes less than a tenth of it.
 LIMIT = 120
 
 START = ["fork", "spawn", "forkserver"]
 
 
 def play(env):
-    """The bytes of a short episode."""
+    """Returns the observations of a short episode as bytes."""
     obs, _ = env.reset(seed=7)
     rows = [obs] + [env.step(np.full((2, 1), 0.5, np.float32))[0] for _ in range(2)]
     return b"".join(row[name].tobytes() for row in rows for name in sorted(row))
@@ -80,7 +80,7 @@ def test_environments_of_gymnasium_in_processes(start):
 
 
 def work(remote, make):
-    """As a worker of Stable-Baselines3's SubprocVecEnv does."""
+    """Acts as a worker of Stable-Baselines3's SubprocVecEnv."""
     env = make()
     obs, _ = env.reset(seed=1)
     remote.send((os.getpid(), {name: value.tobytes() for name, value in obs.items()}))

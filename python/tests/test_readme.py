@@ -1,4 +1,4 @@
-"""Every Python line of the README and of `docs/` runs, with smaller numbers and files of the test."""
+"""Every Python snippet of the README and of `docs/` runs, with smaller numbers and with files of the test."""
 
 import ast
 import re
@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-# What a text says -> what runs here. A network would have to be trained first: the scene's backend stands in for it.
+# Replacements of text in snippets. The scene's backend replaces networks, which would have to be trained first.
 STAND_INS = {
     '"scenes/': f'"{ROOT.as_posix()}/scenes/',
     ', model="out/tasks_model"': "",
@@ -30,7 +30,7 @@ SMALL = """Scene(
 )"""
 
 
-# What the import of a module needs.
+# Packages required to import a module.
 NEEDED = {
     "torch": ("torch", "safetensors"),
     "tactus.torch": ("torch", "safetensors"),
@@ -39,7 +39,7 @@ NEEDED = {
 
 
 def blocks(text):
-    """Blocks of Python in a Markdown text: those that are fenced, and those of the indented ones that are about tactus."""
+    """Returns the Python blocks of a Markdown text: fenced ones, and indented ones that use tactus or Gymnasium."""
     fenced = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
     without = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
     indented = re.findall(r"(?:^ {4,}\S.*\n(?:[ \t]*\n(?= {4}))?)+", without, re.M)
@@ -57,7 +57,7 @@ def is_python(block):
 
 
 def snippets():
-    # The page of all signatures is made of the package.
+    # The page of signatures is generated from the package.
     texts = [ROOT / "README.md", *sorted(set((ROOT / "docs").glob("**/*.md")) - {ROOT / "docs" / "python-api.md"})]
     found = [(path.name, block) for path in texts for block in blocks(path.read_text())]
     return [pytest.param(block, id=f"{name}-{k}") for k, (name, block) in enumerate(found)]

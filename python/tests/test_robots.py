@@ -1,4 +1,4 @@
-"""Grippers as their descriptions place them, against MuJoCo's own kinematics, where MuJoCo is installed."""
+"""Opening, stroke and pad positions from descriptions of grippers, against the kinematics of MuJoCo, if installed."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +16,7 @@ TETRAHEDRON = "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 
 
 
 class Hand(NamedTuple):
-    """Description of a hand, its files, and the positions of its joints where it is open and where it is closed."""
+    """Description of a hand: its files, bodies of hand and pads, and joint positions of the open and closed hand."""
 
     files: dict[str, str]
     hand: str
@@ -26,7 +26,7 @@ class Hand(NamedTuple):
 
 
 def urdf(palm: str, joints: str, *pads: tuple[str, str, str], more: str = "", compiler: str = "") -> str:
-    """A URDF of two fingers that slide on the palm, which hangs on a base."""
+    """Returns a URDF of two fingers that slide on a palm, which is mounted on a base."""
     links = "".join(f'<link name="{link}">{WEIGHT}{more}</link>' for link in ("base", "palm", "left", "right"))
     pad = '<link name="{0}">' + WEIGHT + '</link><joint name="fix_{0}" type="fixed"><parent link="{1}"/><child link="{0}"/>{2}</joint>'
     return f"""<robot name="g"><mujoco><compiler fusestatic="false" {compiler}/></mujoco>{links}
@@ -39,7 +39,7 @@ def slide(name: str, child: str, inside: str) -> str:
 
 
 def franka_urdf() -> Hand:
-    """The hand of a Franka: one finger turned by 3.14159, mounted at 45 degrees, the second one a mimic."""
+    """Franka hand, mounted at 45 degrees; the second finger is rotated by 3.14159 rad and mimics the first."""
     limit = '<limit effort="100" lower="0.0" upper="0.04" velocity="0.2"/>'
     origin = '<origin rpy="0 0 {}" xyz="0 0 0.0584"/><axis xyz="0 1 0"/>'
     right = origin.format("3.14159") + limit + '<mimic joint="finger_joint1"/>'
@@ -51,7 +51,7 @@ def franka_urdf() -> Hand:
 
 
 def franka_mjcf() -> Hand:
-    """The same hand as MJCF: classes of defaults, an equality of both joints, quaternions."""
+    """Franka hand as MJCF: default classes, an equality constraint of both joints, quaternions."""
     text = f"""<mujoco><compiler angle="radian" autolimits="true"/>
 <default><default class="panda"><joint axis="0 0 1" range="-2.8 2.8"/>
   <default class="finger"><joint axis="0 1 0" type="slide" range="0 0.04"/></default></default></default>
@@ -66,7 +66,7 @@ def franka_mjcf() -> Hand:
 
 
 def robotiq() -> Hand:
-    """A 2F-85 with the linkage replaced by slides: its motor turns, and both fingers mimic it, 0 open and 0.8 rad closed."""
+    """Robotiq 2F-85 with prismatic joints for the linkage: both fingers mimic a revolute motor, 0.8 rad closed."""
     motor = '<link name="crank">' + WEIGHT + '</link><joint name="finger_joint" type="revolute"><parent link="palm"/><child link="crank"/>'
     motor += '<axis xyz="1 0 0"/><limit lower="0" upper="0.8" velocity="2" effort="1000"/></joint>'
     mimic = '<mimic joint="finger_joint" multiplier="{}" offset="{}"/>'
@@ -80,7 +80,7 @@ def robotiq() -> Hand:
 
 
 def piper() -> Hand:
-    """A Piper: quaternions of six digits."""
+    """Piper hand: quaternions of six digits."""
     finger = '<body name="link{0}" pos="0 0 0.13503" quat="{1}">' + MASS
     finger += '<joint name="joint{0}" axis="0 0 {2}" type="slide" range="{3}"/><site name="pad{0}" pos="0 {4} 0"/></body>'
     left = finger.format(7, "1.89468e-08 1.89469e-08 0.707108 0.707105", "1", "0 0.035", "-0.03")
@@ -90,7 +90,7 @@ def piper() -> Hand:
 
 
 def package() -> Hand:
-    """A package of ROS: shapes by `package://`, and fingers turned by 1.5708."""
+    """ROS package: shapes by `package://`, fingers rotated by 1.5708 rad."""
     shape = '<collision><geometry><mesh filename="package://tips_description/meshes/tip.obj"/></geometry></collision>'
     inside = '<origin rpy="1.5708 0 0" xyz="0 0 0.06"/><axis xyz="0 0 {}"/><limit lower="0.005" upper="0.045" effort="1" velocity="1"/>'
     joints = slide("l", "left", inside.format(-1)) + slide("r", "right", inside.format(1))
@@ -101,7 +101,7 @@ def package() -> Hand:
 
 
 def included() -> Hand:
-    """MJCF of several files: settings, classes and fingers apart, one include in another, angles in degrees in an order of their own."""
+    """MJCF of several files, nested includes (settings and classes, robot, fingers), Euler angles zyx in degrees."""
     main = '<mujoco><include file="parts/settings.xml"/><include file="parts/robot.xml"/></mujoco>'
     settings = '<mujocoinclude><compiler eulerseq="zyx"/><default><default class="f"><joint type="slide" axis="1 0 0" range="0 0.025"/>'
     settings += '<site pos="-0.004 0.001 0.07" euler="0 0 5"/></default></default></mujocoinclude>'
@@ -113,7 +113,7 @@ def included() -> Hand:
 
 
 def attached() -> Hand:
-    """A hand that an arm attaches, in a frame, with a joint that is not at zero where it is drawn."""
+    """Hand attached to an arm within a frame, with a joint of nonzero reference position."""
     arm = f'<mujoco><asset><model name="h" file="hand/hand.xml"/></asset><worldbody><body name="arm" pos="0 0 1">{MASS}<joint axis="0 1 0"/>'
     arm += '<frame pos="0 0 0.1" zaxis="1 0 1"><attach model="h" body="palm" prefix="g_"/></frame></body></worldbody></mujoco>'
     finger = '<frame xyaxes="0 1 0 -1 0 0"><body name="{0}" pos="{1} 0 0.05">' + MASS
@@ -124,7 +124,7 @@ def attached() -> Hand:
 
 
 def schunk() -> Hand:
-    """A WSG 50: fingers that close along x, with ranges of either sign and a turn of 3.1416."""
+    """Schunk WSG 50: fingers that close along x, with ranges of either sign and a rotation of 3.1416 rad."""
     left = '<origin xyz="0 0 0.0669"/><axis xyz="1 0 0"/><limit lower="-0.055" upper="-0.002" effort="80" velocity="0.42"/>'
     right = '<origin xyz="0 0 0.0669" rpy="0 0 3.1416"/><axis xyz="-1 0 0"/><limit lower="0.002" upper="0.055" effort="80" velocity="0.42"/>'
     joints = slide("l", "left", left) + slide("r", "right", right)
@@ -133,7 +133,7 @@ def schunk() -> Hand:
 
 
 def pads_in_hand(model, of: Hand, positions: dict[str, float]) -> np.ndarray:
-    """Centres of both pads in the axes of the hand, (2, 3), m, by MuJoCo."""
+    """Returns the centres of both pads in the hand frame by MuJoCo, (2, 3), m."""
     data = mujoco.MjData(model)
     for name, position in positions.items():
         data.qpos[model.joint(name).qposadr[0]] = position

@@ -1,4 +1,4 @@
-"""Scenes of Python objects."""
+"""Scenes built from Python objects."""
 
 from pathlib import Path
 

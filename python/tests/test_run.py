@@ -1,4 +1,4 @@
-"""Scenes that run from Python, with the overrides of the command line."""
+"""Scenes run from Python, with the overrides of the command line."""
 
 import dataclasses
 import errno
@@ -45,14 +45,14 @@ def test_rest_meshes_are_those_of_the_nodes(small):
         n = len(pad.rest_m)
         assert pad.tets.shape[1] == 10 and pad.tets.max() == n - 1
         assert pad.surface.max() < n and pad.sensing.max() < n and np.abs(pad.rest_m[pad.sensing][..., 2]).max() < 1e-12
-        # At rest in the hand a node is its displacement and one travel of the finger away from where it is.
+        # A node's position is its reference position in the hand plus the travel of the finger plus its displacement.
         w, axis = pad.pad_pose[3], pad.pad_pose[4:]
         across = 2 * np.cross(axis, pad.rest_m)
         at_rest = pad.rest_m + w * across + np.cross(axis, across) + pad.pad_pose[:3]
         carried = grasp.position_m[-1, side] - grasp.displacement_m[-1, side] - at_rest
         assert np.allclose(carried, carried[0], atol=1e-12) and np.allclose(carried[0], pad.closing * (carried[0] @ pad.closing))
         assert np.abs(grasp.displacement_m[:, side, pad.bonded]).max() == 0.0
-        # Corners carry what all nodes carry: the area times the pressure is the force of the finger.
+        # The integral of the pressure at the corners is the force of the finger.
         pressure = pad.pressure(grasp.contact_force_n[-1, side])
         a, b, c = (pad.rest_m[pad.face()[:, k]] for k in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
@@ -88,7 +88,7 @@ def test_grasps_come_in_the_order_asked_for_each_once(small, tmp_path):
         other = alone[grasp.number]
         assert np.array_equal(grasp.position_m, other.position_m) and np.array_equal(grasp.grasp_pose, other.grasp_pose)
         assert grasp.summary["sensitivity"], "every grasp has its own"
-    # A small change moves the pads of the same grasp by as much, whatever its place.
+    # The sensitivity of a grasp does not depend on its position in the list.
     moved = lambda g: [change["displacement"] for change in g.summary["sensitivity"]]  # noqa: E731
     assert moved(tactus.run(small, grasps=[1], frames=1, sensitivity=True)[0]) == moved(run[2])
     assert run[:2] == run.grasps[:2]
@@ -186,7 +186,7 @@ def test_a_file_that_the_system_refuses_is_an_error_of_the_system(tmp_path, smal
         tactus.run(small, model="nowhere")
     with pytest.raises(FileNotFoundError, match="holds no data set"):
         tactus.DataSet("nowhere")
-    # What a scene names is a matter of the scene.
+    # A missing file named in a scene is reported as an error of the scene.
     mesh = tmp_path / "mesh.ron"
     mesh.write_text('(object: (shape: Mesh("none.stl")), loading: Squeeze(force: 1))')
     with pytest.raises(ValueError, match=r"mesh.ron:1:\d+"):
@@ -207,7 +207,7 @@ def test_messages_are_verbatim_but_for_the_names_of_arguments(small, tmp_path):
     assert f"{scene}:1:" in str(refused.value)
     with pytest.raises(ValueError, match="^error: error_at_most and extrapolate are for a network; add backend gnn"):
         tactus.run(small, error_at_most=0.1)
-    # Who types options reads of options.
+    # Errors of typed command lines name the options.
     for typed in ("--error-at-most=0.1", "--force=-1", "--threads=0"):
         with pytest.raises(ValueError, match=typed.split("=")[0]):
             tactus.command("run", small, typed)

@@ -1,4 +1,4 @@
-"""Sharded rollouts and data sets: a cluster of two nodes that loses a worker in the middle writes the bytes of one machine."""
+"""Sharded rollouts and data sets: a cluster of two nodes with a killed worker writes the same bytes as one machine."""
 
 import hashlib
 import os
@@ -44,11 +44,11 @@ def files_of(folder):
 
 @pytest.fixture
 def cluster_that_loses_a_worker(monkeypatch):
-    """Two nodes of one core each; a worker that runs a task with the given name is killed."""
+    """Starts a cluster of two nodes with one core each; a worker that runs a task with the given name is killed."""
     ray = pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 
-    # Only workers of this test carry it.
+    # Identifies the workers of this test.
     mark = uuid.uuid4().hex
     monkeypatch.setenv("TACTUS_TEST", mark)
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
@@ -93,7 +93,7 @@ def test_rollouts_of_two_nodes_and_a_killed_worker_have_the_same_bytes(tmp_path,
 
 def test_a_data_set_of_two_nodes_and_a_killed_worker_has_the_same_bytes(tmp_path, cluster_that_loses_a_worker):
     dataset(SMALL, tmp_path / "one", parts=1)
-    # In the middle: some grasps are finished, others are not.
+    # The worker is killed when some grasps are finished and others are not.
     some = lambda: 2 <= len(list((tmp_path / "two").glob(".progress/*/*.json"))) < 12
     killed = cluster_that_loses_a_worker(b"part", some)
     ran = dataset(SMALL, tmp_path / "two", parts=3, cluster=True)

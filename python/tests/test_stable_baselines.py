@@ -1,4 +1,4 @@
-"""Environments for Stable-Baselines3, where it is installed (with PyTorch)."""
+"""Environments for Stable-Baselines3, if it is installed (with PyTorch)."""
 
 import subprocess
 import sys

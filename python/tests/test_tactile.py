@@ -1,4 +1,4 @@
-"""What tactile sensors see, against the recorded nodes: an evaluation of its own of the 10-node tetrahedra, of forces and of a ball."""
+"""Tactile sensor outputs against independent evaluations: recorded 10-node tetrahedra, nodal forces, and a sphere."""
 
 import subprocess
 from pathlib import Path
@@ -30,7 +30,7 @@ def arrays(request, tmp_path_factory):
 
 
 def rotations(arrays):
-    """From each pad to the hand: (pads, 3, 3)."""
+    """Returns the rotations from each pad to the hand: (pads, 3, 3)."""
     w, x, y, z = arrays["pad_pose"][:, 3:].T
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -41,14 +41,14 @@ def rotations(arrays):
 
 
 def in_pad(arrays, name):
-    """A recorded vector per node in pad axes: (frames, pads, nodes, 3)."""
+    """Returns a recorded nodal vector in pad axes: (frames, pads, nodes, 3)."""
     pads = len(arrays["pad_pose"])
     values = arrays[name].reshape(len(arrays[name]), pads, -1, 3)
     return np.einsum("pji,fpnj->fpni", rotations(arrays), values)
 
 
 def faces(arrays):
-    """Six nodes of each face of the elements that is part of the sensing face."""
+    """Returns the six nodes of each element face that is part of the sensing face."""
     sensing = set(arrays["pad/sensing"].ravel().tolist())
     found = []
     for tet in arrays["pad/tets"]:
@@ -61,7 +61,7 @@ def faces(arrays):
 
 
 def shape(u, v):
-    """Shape functions of the triangle of six nodes, and their derivatives along u and v."""
+    """Returns the shape functions of the 6-node triangle and their derivatives along u and v."""
     w = 1 - u - v
     values = [w * (2 * w - 1), u * (2 * u - 1), v * (2 * v - 1), 4 * w * u, 4 * u * v, 4 * v * w]
     along = [
@@ -72,7 +72,7 @@ def shape(u, v):
 
 
 def at(x, points):
-    """Place of each point (n, 2) on faces with nodes `x` (faces, 6, 3): number of the face and (u, v)."""
+    """Locates each point (n, 2) on faces with nodes `x` (faces, 6, 3): returns the index of the face and (u, v)."""
     face, place = np.full(len(points), -1), np.zeros((len(points), 2))
     for k, nodes in enumerate(x):
         uv = np.full((len(points), 2), 1 / 3)
@@ -110,7 +110,7 @@ def test_the_height_map_is_that_of_the_nodes(arrays):
         seen = arrays["height_map_m"][frame, pad].ravel()
         compared += (face >= 0).sum()
         assert np.abs(height - seen)[face >= 0].max() < 1e-8
-    # A strip at the rim bulges out of the grid or into it.
+    # A strip at the rim moves out of the grid or into it.
     assert compared > 0.95 * seen.size * moved.shape[0] * moved.shape[1]
 
 

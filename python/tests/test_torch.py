@@ -1,4 +1,4 @@
-"""The network in PyTorch and in ONNX Runtime beside the Rust engine."""
+"""The network in PyTorch and in ONNX Runtime against the Rust engine."""
 
 import copy
 import pickle
@@ -17,7 +17,7 @@ import tactus.torch  # noqa: E402
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "scenes"
 FIELDS = tactus.torch.Answer._fields[:3]
-# Thickness of a pad, and distance of its farthest node from the origin of the hand, m: the scales of position and rotation.
+# Thickness of a pad and distance of its farthest node from the origin of the hand, m: scales of position and rotation.
 THICKNESS, FARTHEST = 4e-3, 0.107
 
 
@@ -30,7 +30,7 @@ def network(request):
 
 
 def worst(mine, theirs):
-    """The largest error of a grasp over the norm of its field."""
+    """Returns the largest error of a grasp relative to the norm of its field."""
     mine, theirs = (np.asarray(torch.as_tensor(x).cpu(), dtype=np.float64).reshape(len(x), -1) for x in (mine, theirs))
     return (np.linalg.norm(mine - theirs, axis=1) / np.linalg.norm(theirs, axis=1)).max()
 
@@ -47,7 +47,7 @@ def test_fields_of_fifty_grasps_are_those_of_the_engine_within_1e_4(network, nam
 
 
 def turned(pose, by):
-    """A pose (7) whose hand has turned by the small rotation vector `by` about axes of the object frame, to first order."""
+    """Returns a pose (7) rotated by the small rotation vector `by` about axes of the object frame, to first order."""
     (w, v), half = (pose[3:4], pose[4:]), 0.5 * by
     turn = torch.cat([w - (half * v).sum(), v + half * w + torch.linalg.cross(half, v)])
     return torch.cat([pose[:3], turn])
@@ -62,7 +62,7 @@ def scene(path, force, friction):
 
 
 def drawn(seed):
-    """Force, friction, and a pose beside that which holds the middle of an object, 0.1 m before the hand."""
+    """Draws force, friction, and a perturbed pose around that with the object's centre 0.1 m in front of the hand."""
     draw = np.random.default_rng(seed)
     turn = np.array([1.0, *draw.normal(0, 0.1, 3)])
     turn /= np.linalg.norm(turn)
@@ -73,18 +73,18 @@ def drawn(seed):
 
 
 def moved(pose, by):
-    """The pose after a move and a turn (6)."""
+    """Returns the pose after a translation and a rotation (6)."""
     return turned(torch.cat([pose[:3] + by[:3], pose[3:]]), by[3:])
 
 
 def jacobian(on, force, friction, pose, scales):
-    """Derivatives of each field (8, numbers) by force, friction, position and rotation over their scales."""
+    """Returns derivatives of each field (8, numbers) by force, friction, position and rotation over their scales."""
     x = torch.zeros(8, dtype=torch.float64, requires_grad=True)
     by = x * torch.from_numpy(scales)
     answer = on(moved(pose, by[2:])[None], (force + by[0])[None], friction + by[1])
     fields = []
     for field in answer[:3]:
-        # Two passes backwards make one forwards.
+        # Forward-mode derivatives by two backward passes.
         ones = torch.zeros_like(field, requires_grad=True)
         (back,) = torch.autograd.grad(field, x, ones, create_graph=True)
         forth = [torch.autograd.grad(value, ones, retain_graph=True)[0].flatten() for value in back]
@@ -93,7 +93,7 @@ def jacobian(on, force, friction, pose, scales):
 
 
 def differences(path, force, friction, pose, scales, step):
-    """Central differences of the engine's fields (8, numbers), over the same scales, and the fields."""
+    """Returns central differences of the engine's fields (8, numbers) with the same scales, and the fields."""
 
     def predicted(force, friction, poses):
         many = tactus.predict(scene(path, force, friction), poses=np.stack(poses))
@@ -110,9 +110,10 @@ def differences(path, force, friction, pose, scales, step):
 
 
 def test_derivatives_are_those_of_the_engine_within_1e_3(network, tmp_path):
-    """Derivatives beside the slopes of straight lines through six answers of `tactus.predict`. Errors are over the derivative, or the field
-    where that is larger: answers are float32, and what hardly changes them has no derivative to be found. The answer of the engine is smooth
-    by pieces: where the lines are not straight beyond what rounding does, there is a bend or a jump, and no derivative. Most are straight."""
+    """Compares derivatives with central differences of `tactus.predict` at three steps. Errors are relative to the
+    derivative, or to the field if that is larger: predictions are float32, so that small derivatives are lost in
+    rounding. Predictions are piecewise smooth: where the slopes of the three steps differ by more than rounding, there
+    is a kink or a jump and no derivative. Most directions are smooth."""
     steps = (2e-4, 3.5e-4, 5e-4)
     straight = np.zeros(8, dtype=int)
     seeds = (0, 4, 5)
@@ -161,7 +162,7 @@ def test_a_quaternion_may_have_any_length(network):
 
 @pytest.fixture(scope="module")
 def lemon(tmp_path_factory):
-    """A network in float64 on a lemon and coarse pads, under two loads."""
+    """Returns a network in float64 for a lemon between coarse pads, under two loads."""
     path = tmp_path_factory.mktemp("lemon") / "lemon.ron"
     path.write_text(
         "(object: (shape: Lemon(length: 0.06, diameter: 0.044)), gripper: (pads: GelSightMini(spacing: 2.9e-3)),"
@@ -185,7 +186,8 @@ def test_second_derivatives_by_a_grasp_are_refused_and_those_by_the_weights_are_
     for transform in (torch.func.hessian, lambda f: torch.func.jacfwd(torch.func.jacfwd(f)), lambda f: torch.func.grad(torch.func.grad(f))):
         with pytest.raises(RuntimeError, match="no second derivatives"):
             transform(lambda f: lemon(POSES[:1], FORCE * f).contact_force_n.square().sum())(torch.tensor(1.0).double())
-    # Those by the weights do not meet the mechanics: beside a central difference of the slope, within 1e-6.
+    # Derivatives by the weights do not involve the mechanics: they agree with a central difference of the slope to
+    # 1e-6.
     weight = lemon.network.weight("node.bias").requires_grad_()
     try:
         (slope,) = torch.autograd.grad(loss(), force, create_graph=True)
@@ -282,7 +284,7 @@ def test_onnx_runtime_gives_the_same_fields_within_1e_4(network, tmp_path):
     on = network.on(SCENES / "lemon.ron", frames=3)
     names = on.export(tmp_path / "universe.onnx")
     session = onnxruntime.InferenceSession(tmp_path / "universe.onnx", providers=["CPUExecutionProvider"])
-    # Another number of grasps and loads than it was written with.
+    # Other numbers of grasps and loads than those of the export.
     poses = on.seen.usual()["poses"][[0, 1, 1]]
     for force in ([6.0], [3.0, 6.0, 9.0, 12.0, 15.0]):
         seen, *_ = on.inputs(poses, force)

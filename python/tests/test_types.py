@@ -1,4 +1,4 @@
-"""Types: the package, and a program that uses it, are right in the eyes of mypy."""
+"""The package and a program that uses it pass mypy."""
 
 from pathlib import Path
 
@@ -46,7 +46,7 @@ tactus.DataSet("out", "some")
 @pytest.fixture(scope="module")
 def mypy(tmp_path_factory):
     api = pytest.importorskip("mypy.api")
-    # What it finds out about NumPy and others serves all tests.
+    # A common cache, so that NumPy and others are analysed once for all tests.
     settings = ["--config-file", str(PACKAGE / "pyproject.toml"), "--cache-dir", str(tmp_path_factory.mktemp("mypy"))]
     return lambda *arguments: api.run([*settings, *map(str, arguments)])
 
@@ -59,7 +59,7 @@ def test_the_package_is_typed(mypy, monkeypatch):
 
 def test_the_compiled_half_is_as_its_stub_says(monkeypatch, tmp_path):
     stubtest = pytest.importorskip("mypy.stubtest")
-    # Away from the sources: the stub is that of the installed package.
+    # Outside the sources, so that the stub of the installed package is used.
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", ["stubtest", "tactus._tactus"])
     assert stubtest.main() == 0, "the captured output says where they differ"

@@ -1,4 +1,4 @@
-"""The page of `tactus view` in headless Chromium: every control is driven, nothing leaves the page's origin, no error is logged."""
+"""The page of `tactus view` in headless Chromium: every control works, without foreign requests or logged errors."""
 
 import os
 import shutil
@@ -37,7 +37,7 @@ def run(small, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def judged(data_set, trained):
-    """A data set, and a network trained on it."""
+    """Returns a data set and a network trained on it."""
     return data_set.folder, trained.folder
 
 
@@ -51,7 +51,7 @@ def browser():
 
 @contextmanager
 def served(folder, model=None):
-    """Address of the viewer, which Ctrl-C ends."""
+    """Serves the viewer and yields its address; Ctrl-C ends it."""
     code = "import sys, tactus; tactus.view(sys.argv[1], model=sys.argv[2] or None, browser=False)"
     command = [sys.executable, "-c", code, str(folder), str(model or "")]
     viewer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -65,7 +65,7 @@ def served(folder, model=None):
 
 @contextmanager
 def opened(browser, folder, model=None, size=DESKTOP, **more):
-    """The page, without anything to complain about until the end."""
+    """Opens the page and asserts at the end that there were no errors, warnings or requests elsewhere."""
     with served(folder, model) as address:
         page = browser.new_page(viewport=size, **more)
         wrong = []
@@ -80,12 +80,12 @@ def opened(browser, folder, model=None, size=DESKTOP, **more):
             assert page.evaluate("document.body.dataset.errors") is None
         finally:
             page.close()
-        # The shaders of a software renderer are slow to read back, and Chromium says so.
+        # Chromium warns about slow read-back of software rendering.
         assert [text for text in wrong if "GPU stall" not in text] == []
 
 
 def picture(page):
-    """The canvas at a place and size of its own: lines above it, as that of the command, would shift it by a part of a pixel."""
+    """Returns a picture of the canvas at a fixed position and size: lines above it may shift it by part of a pixel."""
     alone = "position: fixed !important; inset: 0 auto auto 0; width: 640px !important; height: 400px !important; background: white; z-index: 9"
     fixed = page.add_style_tag(content=f"#canvas {{ {alone} }}")
     page.wait_for_function("() => document.getElementById('canvas').clientWidth === 640")
@@ -96,7 +96,7 @@ def picture(page):
 
 
 class Driven:
-    """Drives controls, and keeps account of those of the page that nothing has driven."""
+    """Operates controls and records those of the page that have not been operated."""
 
     def __init__(self, page):
         self.page = page
@@ -104,7 +104,7 @@ class Driven:
         self.left = set(page.locator(CONTROLS).evaluate_all("all => all.map((c) => c.dataset.control)"))
 
     def changes(self, selector, act, look=picture):
-        """`act` on the control that `selector` names changes what `look` sees."""
+        """Asserts that `act` on the control at `selector` changes the result of `look`."""
         control = self.page.locator(selector).first
         before = look(self.page)
         act(control)
@@ -138,7 +138,7 @@ def wheel(control):
 
 
 def pads(driven):
-    """Drives what every page with pads has."""
+    """Operates the controls of every page with pads."""
     toggle = lambda control: control.click(force=True)  # noqa: E731
     driven.changes('input[name="quantity"][value="stress"]', toggle)
     driven.changes('input[name="quantity"][value="contact_force"]', toggle)

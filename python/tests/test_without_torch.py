@@ -1,4 +1,4 @@
-"""PyTorch is for `tactus.torch` alone."""
+"""Only `tactus.torch` requires PyTorch."""
 
 import subprocess
 import sys

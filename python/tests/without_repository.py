@@ -1,4 +1,4 @@
-"""The installed package by itself: its network, its tasks and its backends are found without the repository. `tests/python.sh` runs this."""
+"""The installed package finds its network, tasks and backends without the repository. Run by `tests/python.sh`."""
 
 import importlib.metadata
 import importlib.util
@@ -24,7 +24,7 @@ many = tactus.predict(scene)
 assert many.failed == {} and np.abs(many.displacement_m).max() > 1e-4
 solved, predicted = (tactus.run(scene, backend=backend)[0] for backend in ("condensed", "gnn"))
 assert solved.status == predicted.status == "reached"
-# The network is wrong by a few per cent of it: `docs/results.md`.
+# The network's travel has an error of a few per cent: `docs/results.md`.
 assert np.allclose(solved.travel_m, predicted.travel_m, rtol=0.25)
 
 for name in ("Hold", "Squeeze", "Regrasp"):

@@ -1,4 +1,4 @@
-//! Sampled grasps: what a roboticist expects of them, judged by other means than the sampler's own.
+//! Sampled antipodal grasps, checked independently of the sampler's own code.
 
 use glam::DVec3;
 use std::path::Path;
@@ -27,7 +27,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
         let shape = object::build(&named.scene.object, &mut Vec::new()).unwrap();
         let poses = poses_of(&named.scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(poses.len(), 20, "{name}");
-        // The tilt of the scene: 15 degrees, narrower than the cone of friction 0.8.
+        // Largest tilt of the scene: 15 degrees, less than the half-angle of the friction cone at 0.8.
         let least = 15_f64.to_radians().cos() - 1e-6;
         for (i, pose) in poses.iter().enumerate() {
             let closing = pose.rotation * DVec3::X;
@@ -36,7 +36,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
                 let start = center - way * 0.04;
                 assert!(shape.distance.distance(start) > 0.0, "{name} {i}: the object reaches the open pad");
                 let hit = shape.ray(start, way).unwrap_or_else(|| panic!("{name} {i}: a pad meets nothing"));
-                // A facetted object has one normal per facet.
+                // The normal is constant on each facet of a mesh.
                 assert!(-hit.normal.dot(way) > least, "{name} {i}: normal {} against {way}", hit.normal);
                 start + way * hit.t
             });
@@ -44,7 +44,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
                 (0.5 * (left + right) - center).length() < 1e-6 * shape.bounding_radius.max(1.0),
                 "{name} {i}: the pads' centre is the middle of the contacts, m"
             );
-            // The palm, 204 x 63 x 66 mm from the hand's origin, is clear of every vertex of the object.
+            // No vertex of the object is inside the palm, 204 x 63 x 66 mm from the hand's origin.
             for vertex in &shape.surface.vertices {
                 let p = pose.inverse_transform(*vertex);
                 let inside = p.x.abs() < 0.102 && p.y.abs() < 0.0315 && p.z > 0.0 && p.z < 0.0659;
@@ -69,7 +69,7 @@ fn a_seed_fixes_the_grasps_and_more_grasps_begin_with_the_same_ones() {
 fn points_are_uniform_by_area_and_approaches_about_the_axis() {
     let poses = poses_of(&scene("Sphere(radius: 0.02)", "count: 4000, seed: 1", "")).unwrap();
     let mean = |v: &dyn Fn(usize) -> DVec3| (0..poses.len()).map(v).sum::<DVec3>() / poses.len() as f64;
-    // The mean of n unit vectors of random direction has a length of about 1 / sqrt(n) = 0.016.
+    // The mean of n random unit vectors has a norm of about 1 / sqrt(n) = 0.016.
     assert!(mean(&|i| poses[i].rotation * DVec3::X).length() < 0.05, "closing axes have no preferred direction");
     assert!(mean(&|i| poses[i].rotation * DVec3::Z).length() < 0.05, "approaches have no preferred direction");
     let up = (0..poses.len()).filter(|&i| (poses[i].rotation * DVec3::X).z.abs() > 0.5).count() as f64;
@@ -107,7 +107,7 @@ fn sampled_grasps_go_through_a_grasp_file_to_the_bit() {
     let out = check.arg("check").arg(&ron).arg("--export").arg(&h5).output().unwrap();
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
     assert!(String::from_utf8_lossy(&out.stdout).contains("8 antipodal grasps from"), "the report is printed");
-    // Files hold quaternions of length 1 to rounding.
+    // Quaternions in files are normalised up to rounding.
     let (read, sampled) = (tactus::model::grasp::read_grasps_h5(&h5).unwrap(), poses_of(&lemon).unwrap());
     assert_eq!(read.len(), 8);
     for (a, b) in read.iter().zip(&sampled) {

@@ -1,4 +1,4 @@
-//! Grasp files: what they mean, on real data where it is there, and what is refused.
+//! Grasp files: meaning of the poses, checked on real data if present, round trips, and refused files.
 
 use crate::skipped::data;
 use glam::{DQuat, DVec3};
@@ -8,7 +8,7 @@ use tactus::geometry::Pose;
 use tactus::model::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
 use tactus::scene::{GraspCount, Scene, load};
 
-/// Triangles of a binary STL.
+/// Returns the triangles of a binary STL file.
 fn triangles(path: &Path) -> Vec<[DVec3; 3]> {
     let mut file = std::fs::File::open(path).unwrap();
     let mesh = stl_io::read_stl(&mut file).unwrap();
@@ -16,7 +16,7 @@ fn triangles(path: &Path) -> Vec<[DVec3; 3]> {
     mesh.faces.iter().map(|f| f.vertices.map(vertex)).collect()
 }
 
-/// Points spread over a triangle, at most about 1 mm apart.
+/// Returns a lattice of points on a triangle with a spacing of at most about 1 mm.
 fn spread(t: &[DVec3; 3]) -> impl Iterator<Item = DVec3> {
     let [a, u, v] = [t[0], t[1] - t[0], t[2] - t[0]];
     let n = (u.length().max(v.length()) / 1e-3).ceil().max(1.0) as usize;
@@ -35,7 +35,7 @@ fn real_grasps_have_the_object_between_the_pads() {
             triangles(&dir.join(format!("{name}_processed.stl"))).iter().flat_map(spread).collect();
         let (mut between, mut both_sides) = (0, 0);
         for pose in &poses {
-            // the slab where the pads meet the object: z near 0.1 m, |y| within a pad's half width
+            // Region in which the pads touch the object: z near 0.1 m, |y| within a pad's half width.
             let xs = points
                 .iter()
                 .map(|&p| pose.inverse_transform(p))
@@ -44,8 +44,8 @@ fn real_grasps_have_the_object_between_the_pads() {
             between += usize::from(low > -0.0405 && high < 0.0405 && low <= high);
             both_sides += usize::from(low < 0.0 && high > 0.0);
         }
-        // the inverse reading of a pose leaves at most a fifth of the grasps with the object there at all;
-        // cucumber1 is grasped off centre: in a third of its grasps it reaches beyond one of the open pads (0.04 m)
+        // With inverted poses the object would be in this region in at most a fifth of the grasps. cucumber1 is grasped
+        // off centre: in a third of its grasps it extends beyond one of the open pads (0.04 m).
         let (least, least_both) = if name == "cucumber1" { (60, 90) } else { (100, 90) };
         assert!(between >= least && both_sides >= least_both, "{name}: {between} between, {both_sides} on both sides");
     }
@@ -119,7 +119,7 @@ fn the_identity_puts_the_object_between_the_pads() {
     assert_eq!(poses[0].inverse_transform(DVec3::ZERO), DVec3::new(0.0, 0.01, 0.12));
 }
 
-/// A pose by its centre keeps that point of the object midway between the pads, however the hand is turned.
+/// A pose by its centre places that point of the object midway between the pads for any hand rotation, to 1e-15 m.
 #[test]
 fn a_centre_lies_between_the_pads_of_a_turned_hand() {
     let dir = tempfile::tempdir().unwrap();
@@ -135,7 +135,7 @@ fn a_centre_lies_between_the_pads_of_a_turned_hand() {
     let expected = DQuat::from_rotation_y(60_f64.to_radians());
     assert!(poses[0].rotation.angle_between(expected) < 1e-12);
     assert_eq!(poses[1].position, DVec3::new(0.0, -0.01, -0.12));
-    // What is written loads as the same scene.
+    // The written scene loads as the same scene.
     assert_eq!(tactus::scene::from_ron(&tactus::scene::to_ron(&scene).unwrap()).unwrap(), scene);
 }
 

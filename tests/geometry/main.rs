@@ -1,4 +1,4 @@
-//! Geometry: meshes and their files, shapes, pads, grasps.
+//! Geometry: meshes and mesh files, shapes, pads, grasps.
 
 #[path = "../fixtures/shape_common.rs"]
 mod shape_common;

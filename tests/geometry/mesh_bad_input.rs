@@ -1,11 +1,11 @@
-//! Malformed mesh files are refused with a message that says where, what is allowed and what to do; nothing panics.
+//! Malformed mesh files are refused, without panic, with a message that states location, allowed values and remedy.
 
 use std::fs;
 use std::path::PathBuf;
 
 use tactus::geometry::mesh::io;
 
-/// Reads `content` as a file called `name` and returns the message of the refusal.
+/// Reads `content` as a file called `name` and returns the error message.
 fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
     let dir = tempfile::tempdir().expect("temporary folder");
     let path = dir.path().join(name);
@@ -91,7 +91,7 @@ fn gmsh_files() {
     let extra = format!("{v4}$Nodes\n0 0 0 0\n5 5 5\n$EndNodes\n");
     let fewer = format!("{v4}$Nodes\n1 2 1 2\n3 0 0 1\n1\n0 0 0\n$EndNodes\n");
     refused("m.msh", fewer, &["line 5, column 3: 2 nodes declared, but the blocks hold 1"]);
-    // Nine elements more than there are, as a file that was cut or changed by hand.
+    // The header declares nine elements more than the file has, as in a truncated or edited file.
     let tetrahedron = "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n";
     let nine = format!("{v4}{tetrahedron}1 10 1 10\n3 1 4 1\n1 1 2 3 4\n$EndElements\n");
     refused("n.msh", nine, &["line 17, column 3: 10 elements declared, but the blocks hold 1"]);
@@ -150,7 +150,7 @@ fn missing_files_folders_and_unknown_types() {
     assert!(io::write_tet(dir.path().join("no/such/a.tet"), &Default::default()).is_err());
 }
 
-/// Cutting or garbling a good file at any byte gives a mesh or an error, never a panic.
+/// Truncating or corrupting a valid file at any byte gives a mesh or an error, never a panic.
 #[test]
 fn garbled_files_never_panic() {
     let dir = tempfile::tempdir().expect("temporary folder");

@@ -1,4 +1,4 @@
-//! Good files: what is written reads back, dialects are understood, and real files have the counts their source states.
+//! Valid mesh files: round trips are lossless, dialects are read, and real files have the counts of their sources.
 
 use crate::skipped::data;
 use std::fs;
@@ -47,7 +47,7 @@ fn polygons_negative_indices_and_binary_files_called_solid_are_read() {
     let (mesh, notices) = io::read_tri_mesh(&path).expect("read");
     assert_eq!((mesh.triangles, notices.len()), (vec![[0, 1, 2], [0, 2, 3]], 1));
 
-    // A weight belongs to curves, a colour to pictures; groups are one mesh; doubles keep their digits.
+    // Vertex weights and colours are ignored, groups are merged into one mesh, and coordinates keep double precision.
     let text = "g a\nv 0.1234567890123456 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//9 2//9 3//9\n\
                 g b\nusemtl m\nf 3/7 2/7 1/7\n";
     fs::write(&path, text).expect("write");
@@ -77,7 +77,8 @@ fn sparse_tags_and_other_elements_of_gmsh_2_are_read() {
     assert!(notices[1].contains("removed 1 node that"), "{notices:?}");
 }
 
-/// Counts as stated where the files come from.
+/// Node and tetrahedron counts are those stated by the sources of the files; the boundary is closed and encloses the
+/// total volume of the elements to a relative 1e-10.
 #[test]
 fn real_tetrahedral_files() {
     let files = [
@@ -124,7 +125,7 @@ fn real_surface_files_are_solids() {
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
     }
     if let Some(path) = data("objects/dgn/sphere01/sphere01_processed.stl") {
-        // 20 mm across: 1280 facets enclose a little less than the sphere.
+        // Diameter 20 mm; 1280 facets enclose up to 2 % less than the sphere.
         let m = Shape::from_mesh(io::read_tri_mesh(path).expect("read").0).expect("solid").mass;
         let sphere = 4.0 / 3.0 * std::f64::consts::PI * 0.01_f64.powi(3);
         assert!((0.98..1.0).contains(&(m.volume / sphere)), "{} m^3", m.volume);

@@ -1,4 +1,4 @@
-//! Grids, qualities, repair, topology, mass properties and quadratic nodes hold what they promise.
+//! Structured grids, element quality, repair, topology, mass properties and mid-edge nodes of meshes.
 
 use approx::assert_relative_eq;
 use glam::DVec3;
@@ -11,7 +11,7 @@ fn corner_tet() -> TetMesh {
     TetMesh { nodes: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], tets: vec![[0, 1, 2, 3]] }
 }
 
-/// A box of 2 x 3 x 1 m with the given numbers of cells, symmetric in x and y.
+/// Returns a grid on a box of 2 x 3 x 1 m with the given numbers of cells, symmetric in x and y.
 fn cells(nx: usize, ny: usize, nz: usize) -> TetMesh {
     let line =
         |n: usize, half: f64| -> Vec<f64> { (0..=n).map(|i| half * (2.0 * i as f64 - n as f64) / n as f64).collect() };
@@ -27,7 +27,7 @@ fn a_grid_fills_its_box_with_positive_tetrahedra_and_a_closed_surface() {
         assert!(q.min_volume > 0.0);
         assert_relative_eq!(q.total_volume, 6.0, max_relative = 1e-13);
         assert!(clean::repair(&mut mesh).expect("sound").is_empty(), "a grid needs no repair");
-        // A mismatch of face diagonals would leave inner faces on the boundary.
+        // A mismatch of face diagonals between cells would leave interior faces on the boundary.
         assert_eq!(surface::boundary(&mesh).len(), 4 * (nx * ny + ny * nz + nz * nx));
         let report = topology::watertight(&surface::boundary_mesh(&mesh).0);
         assert!(report.is_solid() && report.components == 1, "{report:?}");
@@ -169,7 +169,7 @@ fn holes_fins_and_inside_out_surfaces_are_reported() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Repair of any junk returns, and what it accepts has positive volumes and valid indices.
+    /// Repair of arbitrary meshes does not panic, and accepted meshes have positive volumes and valid indices.
     #[test]
     fn repair_never_panics(
         nodes in prop::collection::vec(prop::array::uniform3(-2_i8..3), 0..12),

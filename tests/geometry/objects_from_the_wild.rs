@@ -1,5 +1,5 @@
-//! Objects as users bring them: hollow, overlapping, in millimetres, in 32 bits, with n-gons, in upper case, open. Each is read for
-//! what it is, or refused with the place and what to do; never wrong without a word.
+//! Imperfect object files of users: hollow, overlapping, in millimetres, in single precision, with polygons, in upper
+//! case, open. Each is read correctly, with notices, or refused with the location and a remedy.
 
 use crate::skipped::data;
 use std::f64::consts::TAU;
@@ -21,7 +21,7 @@ use tactus::world::environment::Environment;
 use tactus::world::run::run_grasps;
 use tactus::world::schedule::Phase;
 
-/// A cube with its faces outward, 0-based.
+/// Returns the vertices and triangles (0-based, oriented outwards) of a cube.
 fn cube(center: [f64; 3], size: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let corner = |i: u32| DVec3::new(f64::from(i >> 2 & 1), f64::from(i >> 1 & 1), f64::from(i & 1)) - 0.5;
     let vertices = (0..8).map(|i| corner(i) * size + DVec3::from_array(center)).collect();
@@ -46,7 +46,7 @@ fn inside_out((vertices, faces): (Vec<DVec3>, Vec<[u32; 3]>)) -> (Vec<DVec3>, Ve
     (vertices, faces.into_iter().map(|[a, b, c]| [a, c, b]).collect())
 }
 
-/// An OBJ of several parts.
+/// Returns the text of an OBJ file of several parts.
 fn obj(parts: &[(Vec<DVec3>, Vec<[u32; 3]>)]) -> String {
     let (mut text, mut first) = (String::new(), 1);
     for (vertices, faces) in parts {
@@ -57,7 +57,7 @@ fn obj(parts: &[(Vec<DVec3>, Vec<[u32; 3]>)]) -> String {
     text
 }
 
-/// The facets of a part.
+/// Returns the facets of a part.
 fn facets((vertices, faces): &(Vec<DVec3>, Vec<[u32; 3]>)) -> Vec<[DVec3; 3]> {
     faces.iter().map(|f| f.map(|v| vertices[v as usize])).collect()
 }
@@ -84,7 +84,7 @@ fn binary_stl(facets: &[[DVec3; 3]], count: u32, trailing: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Builds a scene with the file as its object, and `more` fields of it.
+/// Builds the model of a scene with the file as its object and `more` fields of the object.
 fn build(name: &str, content: impl AsRef<[u8]>, more: &str) -> Result<Arc<Model>> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -103,13 +103,13 @@ fn model(object: &Path, more: &str) -> Result<Arc<Model>> {
     Model::build(&load(&path)?.scene)
 }
 
-/// The volume of a file that is read, cm3, and what is said about it.
+/// Reads a file as an object; returns its volume, cm3, and the notices.
 fn volume(name: &str, content: impl AsRef<[u8]>, more: &str) -> (f64, String) {
     let model = build(name, content, more).unwrap_or_else(|e| panic!("{name}: {e}"));
     (model.object.mass.volume * 1e6, model.notices.join("\n"))
 }
 
-/// The message of a file that is refused, which has all `parts`.
+/// Asserts that a file is refused with a message that contains its name and all `parts`.
 fn refused(name: &str, content: impl AsRef<[u8]>, more: &str, parts: &[&str]) {
     let message = match build(name, content, more) {
         Ok(model) => panic!("{name} was read, with {:e} m3", model.object.mass.volume),
@@ -119,7 +119,7 @@ fn refused(name: &str, content: impl AsRef<[u8]>, more: &str, parts: &[&str]) {
     parts.iter().for_each(|part| assert!(message.contains(part), "`{part}` is not in: {message}"));
 }
 
-/// Rounding of sums over a dozen triangles.
+/// Relative tolerance for the rounding of sums over a dozen triangles.
 const EXACT: f64 = 1e-12;
 
 #[test]
@@ -131,7 +131,7 @@ fn shells_are_turned_by_where_they_lie() {
     let (same, said) = volume("hollow.obj", right, "");
     assert_relative_eq!(same, 19.0, max_relative = EXACT);
     assert!(!said.contains("turned"), "{said}");
-    // A solid in the hollow: outward again.
+    // A solid inside the cavity is oriented outwards.
     let nested = [cube([0.0; 3], 0.03), cube([0.0; 3], 0.02), inside_out(cube([0.0; 3], 0.01))];
     assert_relative_eq!(volume("nested.obj", obj(&nested), "").0, 20.0, max_relative = EXACT);
     let apart = obj(&[cube([0.0; 3], 0.02), inside_out(cube([0.0, 0.03, 0.0], 0.02))]);
@@ -148,29 +148,30 @@ fn shells_are_turned_by_where_they_lie() {
 #[test]
 fn overlaps_are_refused_with_their_place() {
     let cross = ["two parts of the surface overlap: its triangles ", " cross near (", "or let `repair: true` do it"];
-    // Faces in common planes; in general position; corner on diagonal.
+    // Coplanar faces; general position; a corner on a diagonal.
     for shift in [[0.0, 0.01, 0.0], [0.003, 0.007, 0.004], [0.01, 0.01, 0.01]] {
         refused("overlap.obj", obj(&[cube([0.0; 3], 0.02), cube(shift, 0.02)]), "", &cross);
     }
-    // A cube through the wall of another, and one that is a tenth of a millimetre in it.
+    // A cube through the wall of another, and one that penetrates it by a tenth of a millimetre.
     refused("through.obj", obj(&[cube([0.0; 3], 0.03), cube([0.015, 0.001, 0.002], 0.01)]), "", &cross);
     refused("dent.obj", obj(&[cube([0.0; 3], 0.02), cube([0.0149, 0.001, 0.002], 0.01)]), "", &cross);
-    // What only touches is no overlap: face on face, edge on edge, corner on corner.
+    // Touching parts do not overlap: face on face, edge on edge, corner on corner.
     for shift in [[0.0, 0.0, 0.02], [0.0, 0.02, 0.007], [0.02, 0.02, 0.007], [0.02, 0.02, 0.02]] {
         let (both, _) = volume("touch.obj", obj(&[cube([0.0; 3], 0.02), cube(shift, 0.02)]), "");
         assert_relative_eq!(both, 16.0, max_relative = 1e-9);
     }
-    // A surface that passes through itself: one corner of a cube pushed out through the face opposite.
+    // A self-intersecting surface: one corner of a cube displaced through the opposite face.
     let mut pushed = cube([0.0; 3], 0.02);
     pushed.0[7] = DVec3::new(-0.02, -0.004, -0.003);
     refused("pushed.obj", obj(&[pushed]), "", &["the surface passes through itself: its triangles "]);
-    // A fold of a micrometre in a part of 20 mm is told.
+    // An overlap of a micrometre in a part of 20 mm is accepted with a notice.
     let (folded, said) = volume("folded.obj", obj(&[cube([0.0; 3], 0.02), cube([0.014999, 0.001, 0.002], 0.01)]), "");
     assert_relative_eq!(folded, 9.0, max_relative = 1e-4);
     assert!(said.contains("pairs of triangles cross, none by more than"), "{said}");
 }
 
-/// An L of five 10 mm cubes in a row and up, its two caps concave hexagons that begin at corner `first`; `points` on straight sides.
+/// Returns an OBJ of an L-shaped prism with a cross-section of five 10 mm squares, 30 mm high. Its two caps are concave
+/// hexagons that begin at corner `first`; `points` adds a vertex on a straight side.
 fn l_prism(first: usize, points: bool) -> String {
     let mut outline = vec![(0.0, 0.0), (0.03, 0.0), (0.03, 0.01), (0.01, 0.01), (0.01, 0.03), (0.0, 0.03)];
     if points {
@@ -198,7 +199,7 @@ fn concave_polygons_keep_their_outline() {
         assert_relative_eq!(l, 15.0, max_relative = EXACT);
         assert_relative_eq!(volume("l.obj", l_prism(first, true), "").0, 15.0, max_relative = EXACT);
     }
-    // A square with a square hole, joined to the outline by a slit: a frame of 20 mm around 10 mm, 10 mm thick.
+    // A frame of 20 mm around a hole of 10 mm, 10 mm thick: each cap is one polygon, with a slit to its hole.
     let mut text = String::new();
     for z in [0.0, 0.01] {
         for r in [0.01, 0.005] {
@@ -223,7 +224,7 @@ fn an_l_prism_can_be_squeezed() {
     assert_eq!(status, Status::Reached, "{reason}");
 }
 
-/// Squeezes an object with 2 N between coarse pads; the status and its reason.
+/// Squeezes an object with 2 N between coarse pads; returns the status and its reason.
 fn squeeze(mesh: &Path, more: &str) -> (Status, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
@@ -250,10 +251,10 @@ fn units_are_asked_for() {
         &["the object is 30 m wide", "is the file in millimetres? then write `scale: 1e-3`"],
     );
     assert_relative_eq!(volume("mm.obj", &millimetres, "scale: 1e-3").0, 27.0, max_relative = EXACT);
-    // The limits hold for what the object is after its scale.
+    // The limits apply to the scaled object.
     assert_relative_eq!(volume("um.obj", obj(&[cube([0.0; 3], 3e4)]), "scale: 1e-6").0, 27.0, max_relative = EXACT);
     refused("far.obj", obj(&[cube([2e3, 0.0, 0.0], 0.03)]), "", &["from the origin of its file", "within 1000 m"]);
-    // Points on edges follow their length; more than can be held against a pad are refused before they are laid out.
+    // The number of contact vertices grows with the length of edges; too many are refused before they are created.
     let large = build("ok.obj", obj(&[cube([0.0; 3], 1.9)]), "").expect("12 edges of 1.9 m");
     assert!(large.features.len() < 100_000, "{} points", large.features.len());
     let rod = |i: i32| {
@@ -284,18 +285,19 @@ fn what_rounding_pulled_apart_is_welded() {
             "{said}"
         );
     }
-    // A gap of a micrometre is one, and stays.
+    // A gap of a micrometre is above the tolerance and is refused.
     near[0][0].x += 1e-6;
     refused("gap.stl", ascii_stl(&near), "", &["is open: ", "`repair: true`"]);
-    // The same part ten times larger: the tolerance follows.
+    // The same part ten times larger: the tolerance scales with the size.
     let large: Vec<_> = near.iter().map(|f| f.map(|p| 10.0 * p)).collect();
     refused("gap.stl", ascii_stl(&large), "", &["is open: "]);
 }
 
-/// A facet far away, such as a scan has, is named; what is welded goes by the edges of the mesh and does not change with it.
+/// A stray facet far away, as in scans, is refused and does not change the welding tolerance, which derives from the
+/// edges of the mesh.
 #[test]
 fn a_facet_far_away_changes_nothing_and_is_refused() {
-    // A ball of 20 mm with every triangle for itself, its corners up to 1e-9 m apart.
+    // A sphere of radius 20 mm as unconnected triangles whose corners are up to 1e-9 m apart.
     let ball = ShapeKind::Sphere { radius: 0.02 }.build(32).unwrap().surface;
     let corners = ball.triangles.iter().flatten().enumerate();
     let mut soup = TriMesh {
@@ -328,7 +330,7 @@ fn a_facet_far_away_changes_nothing_and_is_refused() {
     );
 }
 
-/// A surface with one side has no inside: nothing that a repair gives would be right.
+/// A one-sided surface has no inside, so that no repair can be correct; it is refused.
 #[test]
 fn a_moebius_strip_is_refused() {
     let turns = 40;
@@ -382,7 +384,7 @@ fn what_adds_nothing_is_dropped() {
         (with(&[[faces[3][1], faces[3][2], faces[3][0]]]), "dropped 1 repeated triangle"),
         (with(&[[0, 0, 1]]), "dropped 1 triangle with a repeated vertex"),
         (format!("{}v 1 1 1\n", with(&[])), "welded 1 duplicate or unused vertex"),
-        // Three corners on a line, of which one is the cube's.
+        // Three collinear corners.
         (format!("{}v 0.2 0 0\nv 0.3 0 0\nv 0.4 0 0\nf 9 10 11\n", with(&[])), "removed 1 triangle without area"),
     ];
     for (text, news) in cases {
@@ -390,7 +392,7 @@ fn what_adds_nothing_is_dropped() {
         assert_relative_eq!(volume, 27.0, max_relative = EXACT);
         assert!(said.contains(news), "`{news}` is not in: {said}");
     }
-    // A vertex amid an edge of one face, which a triangle without area joins to the other.
+    // A vertex on an edge of one face (T-junction), connected to the other face by a triangle of zero area.
     let split = "v 0 0 0\nv 0.03 0 0\nv 0 0.03 0\nv 0 0 0.03\nv 0.01 0 0\nf 1 3 5\nf 5 3 2\nf 1 2 4\nf 1 5 2\nf 1 4 3\nf 2 3 4\n";
     let (tetrahedron, said) = volume("split.obj", split, "");
     assert_relative_eq!(tetrahedron, 4.5, max_relative = EXACT);
@@ -406,7 +408,7 @@ fn sheets_are_refused_by_name() {
     let (cube_alone, said) = volume("beside.obj", beside, "");
     assert_relative_eq!(cube_alone, 27.0, max_relative = EXACT);
     assert!(said.contains("dropped 1 pair of triangles back to back"), "{said}");
-    // Two pyramids of no height on one base.
+    // Two pyramids of zero height on one base.
     let flat = "v 0 0 0\nv 0.03 0 0\nv 0 0.03 0\nv 0.01 0.01 0\nv 0.005 0.01 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 2 1 5\nf 3 2 5\nf 1 3 5\n";
     refused("flat.obj", flat, "", &["it is closed but encloses no volume, about (0.015"]);
     let folder = tempfile::tempdir().unwrap();
@@ -438,7 +440,7 @@ fn every_keyword_of_obj_is_known() {
     refused("call.obj", "call other.obj\n", "", &["line 1, column 1: unknown keyword `call`"]);
 }
 
-/// A PLY of the cube, quads and a colour per vertex.
+/// Returns a PLY file of the cube with quadrilaterals and a colour per vertex.
 fn ply(format: &str) -> Vec<u8> {
     let (vertices, _) = cube([0.0; 3], 0.03);
     let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3_u32]];
@@ -514,21 +516,21 @@ fn repair_makes_a_solid_and_says_how_far_it_moved() {
             && said.contains("the surface moved by at most"),
         "{said}"
     );
-    // A lid is put on an open cube, and nothing moves.
+    // The hole of an open cube is filled without moving any vertex.
     let mut open = cube([0.0; 3], 0.03);
     open.1.drain(2..4);
     let (closed, said) = volume("open.obj", obj(&[open.clone()]), "repair: true");
     assert_relative_eq!(closed, 27.0, max_relative = EXACT);
     assert!(said.contains("filled 1 hole with 2 triangles of 9.000e-4 m2 in all; nothing else moved"), "{said}");
     refused("open.obj", obj(&[open.clone()]), "", &["is open: 4 edges with one triangle only", "`repair: true`"]);
-    // A fin on an edge: three triangles there.
+    // A fin: an edge with three triangles.
     let mut fin = cube([0.0; 3], 0.03);
     fin.0.push(DVec3::new(-0.03, -0.03, 0.0));
     fin.1.push([0, 1, 8]);
     let (trimmed, said) = volume("fin.obj", obj(&[fin]), "repair: true");
     assert_relative_eq!(trimmed, 27.0, max_relative = 0.02);
     assert!(said.contains("sampled its winding number anew"), "{said}");
-    // What is whole stays as it is; a sheet has nothing to repair.
+    // A valid surface is unchanged; a sheet cannot be repaired.
     let whole = obj(&[cube([0.0; 3], 0.03)]);
     let (plain, mended) = (build("ok.obj", &whole, "").unwrap(), build("ok.obj", &whole, "repair: true").unwrap());
     assert_eq!(plain.object.surface, mended.object.surface);
@@ -536,7 +538,7 @@ fn repair_makes_a_solid_and_says_how_far_it_moved() {
     refused("sheet.obj", sheet, "repair: true", &["encloses no volume"]);
 }
 
-/// Every real object.
+/// Returns the paths of all real object meshes.
 fn real_objects() -> Vec<PathBuf> {
     let mut folders: Vec<PathBuf> = ["objects", "indenters"].into_iter().filter_map(data).collect();
     let mut found = Vec::new();

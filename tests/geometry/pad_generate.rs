@@ -1,4 +1,4 @@
-//! Generated pads have the size, volume, symmetry and mesh quality they promise.
+//! Generated pads have the specified size, volume, symmetry and mesh quality.
 
 use crate::skipped::data;
 use std::collections::{BTreeSet, HashMap};
@@ -10,7 +10,8 @@ use proptest::prelude::*;
 use tactus::geometry::mesh::{clean, quality, surface, topology};
 use tactus::geometry::pad::{self, GelProfile, PadMesh, Resolution, dome};
 
-/// What every pad must hold; returns its volume, m^3, and its worst quality.
+/// Asserts the properties of every pad (valid mesh, closed boundary, bonded back face); returns its volume, m^3, and
+/// its lowest element quality.
 fn sound(pad: &PadMesh, thickness: f64) -> (f64, f64) {
     let mut mesh = pad.mesh.clone();
     assert!(clean::repair(&mut mesh).expect("sound").is_empty(), "a generated pad needs no repair");
@@ -24,7 +25,7 @@ fn sound(pad: &PadMesh, thickness: f64) -> (f64, f64) {
     (q.total_volume, q.worst)
 }
 
-/// Every node has its mirror image about x = 0 and about y = 0, to the last bit.
+/// Asserts that the nodes are symmetric about x = 0 and about y = 0, to the last bit.
 fn assert_symmetric(pad: &PadMesh) {
     for sign in [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0)] {
         let sorted = |s: DVec3| {
@@ -121,8 +122,8 @@ fn the_gelsight_mini_is_a_box_or_a_dome() {
     assert_symmetric(&domed);
     let (_, worst) = sound(&domed, 4e-3);
     eprintln!("domed: {} nodes, {} tets, worst {worst:.3}", domed.mesh.nodes.len(), domed.mesh.tets.len());
-    // The CAD solid, meshed by FEATS, has 1896.5 mm^3; its corners are rounded (1.5 mm), those here are not.
-    // Flat facets cut the dome: fine cells keep that below a thousandth.
+    // The CAD solid, meshed by FEATS, has 1896.5 mm^3; unlike here its corners are rounded (1.5 mm). With fine cells
+    // the volume error due to flat facets on the dome is below a thousandth.
     let fine = pad::gelsight_mini(GelProfile::Domed, &Resolution::cells([80, 80, 4])).expect("pad");
     let (volume, _) = sound(&fine, 4e-3);
     let rounding = (4.0 - PI) * 1.5e-3_f64.powi(2) * 2.75e-3;
@@ -157,7 +158,7 @@ fn the_dome_follows_the_cad_on_its_axes() {
     }
 }
 
-/// Surface nodes (corner and mid-edge) of the gel in the CalculiX mesh of FEATS: short, long, z, mm.
+/// Returns the surface nodes (corner and mid-edge) of the gel in the CalculiX mesh of FEATS: short, long, z, mm.
 fn cad_surface() -> Option<Vec<[f64; 3]>> {
     let dir = data("pads/feats/hyperelasticity_identification")?;
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).expect(name);
@@ -172,7 +173,7 @@ fn cad_surface() -> Option<Vec<[f64; 3]>> {
             _ => None,
         })
         .collect();
-    // An element is its number and 10 nodes, over as many lines as it takes.
+    // An element is its number and 10 nodes, which may span several lines.
     let numbers: Vec<f64> = elements.lines().skip(1).flat_map(row).collect();
     let tets: HashMap<i64, &[f64]> = numbers.chunks(11).map(|e| (e[0] as i64, &e[1..])).collect();
     let mut used = BTreeSet::new();
@@ -229,7 +230,7 @@ fn unusable_requests_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any request gives a sound pad or an error.
+    /// Any request gives a pad with positive element volumes or an error.
     #[test]
     fn any_request_is_sound_or_refused(
         size in prop::array::uniform3(1e-4_f64..0.1),

@@ -1,4 +1,4 @@
-//! Pads from files land in the pad frame with the right nodes glued.
+//! Pads from files are placed in the pad frame with the correct nodes bonded.
 
 use crate::skipped::data;
 use std::fs;
@@ -21,7 +21,8 @@ fn small() -> PadMesh {
     pad::box_pad(0.03, 0.02, 0.004, &Resolution::cells([4, 2, 2])).expect("pad")
 }
 
-/// The export frame of the paper's data: pad (x, y, z) -> (x, z, -y), gel outwards along +y.
+/// Placement inverts the export frame of the paper's data, pad (x, y, z) -> (x, z, -y) with the gel outwards along +y,
+/// to 1e-15 m.
 #[test]
 fn a_pad_moved_elsewhere_comes_back() {
     let original = small();
@@ -68,7 +69,8 @@ fn unusable_placements_are_refused() {
     assert!(pad::from_mesh(TetMesh::default(), &placement(DVec3::Z, 0.0)).is_err());
 }
 
-/// A part that the finger does not hold would move as a rigid body, and one within another would make the gel stiffer: both are refused.
+/// Parts of a pad with rigid-body modes (not bonded, or hinged) and parts that overlap others, which would stiffen the
+/// gel, are refused.
 #[test]
 fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
     let pad = small();
@@ -88,19 +90,19 @@ fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
     let millimetre = |i: usize| 1e-3 * DVec3::AXES[i];
     let corner = pad.mesh.nodes[n as usize - 1];
     let beside = [corner, corner + millimetre(0), corner + millimetre(1), corner + millimetre(2)];
-    // Far off, at a corner of the pad, and at an edge of it.
+    // A tetrahedron apart from the pad, one attached at a corner, and one attached along an edge.
     let loose = with(&beside.map(|p| p + 0.01), &[[n, n + 1, n + 2, n + 3]]);
     refused(loose, back(), &["a part of 1 tetrahedron of 97 about", "shares no node"]);
     let hung = with(&beside[1..], &[[n - 1, n, n + 1, n + 2]]);
     refused(hung, back(), &["a part of 1 tetrahedron of 97 about", "is held at one node"]);
     let hinged = with(&beside[2..], &[[n - 2, n - 1, n, n + 1]]);
     refused(hinged, back(), &["a part of 1 tetrahedron of 97 about", "is held along a line"]);
-    // The pad itself at a node, and at the five nodes of an edge of its back.
+    // The pad itself bonded at one node, and at the five nodes of an edge of its back.
     refused(pad.mesh.clone(), Bonding::Nodes(vec![0]), &["the pad of 96 tetrahedra about", "is held at one node"]);
     refused(pad.mesh.clone(), Bonding::Nodes((0..5).collect()), &["is held along a line", "off that line"]);
     let three = PadPlacement { bonding: Bonding::Nodes(vec![0, 4, 10]), ..placement(DVec3::Z, 0.0) };
     assert_eq!(count(&pad::from_mesh(pad.mesh.clone(), &three).expect("held at three nodes")), 3);
-    // A second copy, shifted or inside the first.
+    // A second copy of the pad, shifted or inside the first.
     let copies: [fn(DVec3) -> DVec3; 3] =
         [|p| p + DVec3::new(3e-3, 1e-3, 0.0), |p| 0.5 * p - 2e-3 * DVec3::Z, |p| 0.5 * p - 1e-3 * DVec3::Z];
     for copy in copies {
@@ -111,14 +113,14 @@ fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
     }
 }
 
-/// A plane, the surface of what carries the gel and a list say the same in three ways.
+/// A plane, the surface of the gel's carrier, and a list of nodes select the same bonded nodes.
 #[test]
 fn every_rule_bonds_the_back() {
     let pad = small();
     // An open plate 1 mm behind the back face at z = -4 mm.
     let corners = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)].map(|(x, y)| DVec3::new(x, y, -5e-3));
     let plate = Arc::new(TriMesh { vertices: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] });
-    // A closed slab about the whole pad.
+    // A closed slab around the whole pad.
     let slab =
         ShapeKind::Cuboid { size: DVec3::new(0.2, 0.2, 10e-3), edge_radius: 0.0 }.build(8).expect("slab").surface;
     let bonded = |bonding: Bonding| {
@@ -160,7 +162,7 @@ fn lists_of_nodes_are_indices_or_a_mask() {
     assert!(message("").contains("the list of glued nodes is empty"));
 }
 
-/// Lists number the nodes of the file, also when repair removes or welds some.
+/// Node lists refer to the numbering of the file, also if repair removes or welds nodes.
 #[test]
 fn lists_survive_the_repair_of_the_mesh() {
     let dir = tempfile::tempdir().expect("temporary folder");
@@ -197,14 +199,14 @@ fn real_pads() {
         eprintln!("round pad: {low} .. {high}, {} of {} glued", count(&pad), pad.bonded.len());
         assert!((low.z + 3e-3).abs() < 1e-9 && high.z == 0.0);
         assert!((low.x + high.x).abs() < 1e-9, "centred");
-        // One node half way down the side wall of this file bulges by 18 um.
+        // One node of this file, at mid-height of the side wall, is off by 18 um.
         assert!((low.y + high.y).abs() < 2e-5, "centred on the sensing face");
     }
     if let Some(mesh) = data("pads/biotac/int_ext_skin_combined_ftw.tet") {
         let (mesh, _) = io::read_tet_mesh(&mesh).expect("mesh");
         let pad = pad::from_mesh(mesh.clone(), &placement(DVec3::Z, 1e-3)).expect("pad");
         assert!(count(&pad) > 0 && !pad::sensing_faces(&pad).is_empty());
-        // The fingertip that looks along -y is held by a core from 6 mm below its back on: two rules take the same nodes.
+        // The fingertip faces -y and is bonded to a core 6 mm from its back: both rules select the same nodes.
         let back = mesh.nodes.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
         let mut core =
             (*ShapeKind::Cuboid { size: DVec3::splat(0.1), edge_radius: 0.0 }.build(8).expect("box").surface).clone();

@@ -1,4 +1,4 @@
-//! Distances in closed form: exact, with the right gradient and curvature, and equal to that of a fine mesh.
+//! Signed distances in closed form: exact, with correct gradient and curvature, and equal to those of a fine mesh.
 
 use crate::shape_common::{Random, brute_force, families, gradient_error};
 use glam::{DMat3, DVec2, DVec3};
@@ -29,7 +29,7 @@ fn all() -> Vec<Box<dyn SignedDistance>> {
     ]
 }
 
-/// Points within and around the shapes above, all about 20 mm large.
+/// Returns random points inside and around the shapes of [`all`], whose size is about 20 mm.
 fn points(count: usize) -> Vec<DVec3> {
     let mut random = Random(11);
     (0..count).map(|_| 0.045 * random.vector()).collect()
@@ -54,14 +54,14 @@ fn distances_are_1_lipschitz_and_agree_with_closest() {
 fn gradient_is_the_slope_to_1e_6() {
     for d in all() {
         let wrong = points(1000).into_iter().filter(|&q| gradient_error(&*d, q, 1e-7) > 1e-6).collect::<Vec<_>>();
-        // A few points straddle a crease of the distance, where there is no gradient.
+        // The distance has no gradient at its non-smooth ridges, which differences at a few points cross.
         assert!(wrong.len() <= 3, "{d:?}: {wrong:?}");
     }
 }
 
 #[test]
 fn curvature_is_the_slope_of_the_gradient_to_1e_5() {
-    // Where a sharp crease or the mesh-like corner of a profile is closest, zero is promised instead; so only smooth shapes.
+    // Smooth shapes only: at a sharp edge or a corner of a profile the curvature is zero by definition.
     for d in [0, 1, 2, 4, 6, 7].map(|i| all().swap_remove(i)) {
         let mut wrong = Vec::new();
         for q in points(1000) {
@@ -75,7 +75,7 @@ fn curvature_is_the_slope_of_the_gradient_to_1e_5() {
                 wrong.push((q, size(c.curvature), size(rough)));
             }
         }
-        // Near the medial axis, inside, the curvature grows without bound and differences mean nothing.
+        // Near the medial axis the curvature is unbounded and finite differences are meaningless.
         wrong.retain(|(_, _, rough)| *rough < 1e3);
         assert!(wrong.len() <= 5, "{d:?}: {:?}", &wrong[..wrong.len().min(4)]);
     }
@@ -111,7 +111,7 @@ fn the_foot_on_an_ellipsoid_is_on_it_and_the_offset_normal_to_1e_12() {
             let n = (foot / (semi * semi)).normalize();
             let tilt = n.distance(c.normal) * semi.min_element();
             assert!(tilt < 1e-9, "{semi} at {q}: {tilt}");
-            // No point of the surface may be closer.
+            // No point of the surface is closer.
             for _ in 0..10 {
                 let other = semi * random.vector().normalize_or(DVec3::X);
                 assert!(other.distance(q) >= c.distance.abs() - 1e-12, "{semi} at {q}: {other} is closer");
@@ -129,7 +129,8 @@ fn a_fine_mesh_is_as_far_to_its_sagitta() {
             let q = random.near_surface(&shape.surface, 5e-3);
             worst = worst.max((shape.distance.distance(q).abs() - brute_force(&shape.surface, q)).abs());
         }
-        // A chord of a 256th of a turn at 30 mm is 2.3 um off; inside a cup's rim and at poles a few times that.
+        // The sagitta of a chord of 1/256 turn at a radius of 30 mm is 2.3 um, and a few times that inside a cup's rim
+        // and at poles.
         assert!(worst < 1e-5, "{}: {worst} m", shape.name);
         for p in &shape.surface.vertices {
             assert!(shape.distance.distance(*p).abs() < 1e-14, "{}: vertex {p} is off its surface", shape.name);

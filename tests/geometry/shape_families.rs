@@ -1,4 +1,5 @@
-//! Every generated object is closed, wound outwards, and weighs what it should; wrong parameters are refused by name.
+//! Every generated object is closed, oriented outwards and has the correct mass properties; invalid parameters are
+//! refused by name.
 
 use crate::shape_common::{families, real_meshes};
 use glam::{DMat3, DVec2, DVec3};
@@ -198,7 +199,7 @@ fn a_potato_is_decided_by_its_seed() {
     assert_ne!(potato(1), potato(2));
 }
 
-/// Every family as a scene names it, at its own size.
+/// Every family of shapes as written in a scene, at its default or a typical size.
 const IN_SCENES: [&str; 16] = [
     "Sphere(radius: 0.02)",
     "Ellipsoid(radii: (0.03, 0.02, 0.015))",

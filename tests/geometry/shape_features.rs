@@ -1,11 +1,12 @@
-//! Sharp edges, corners and tips of objects.
+//! Contact vertices of objects: samples of sharp edges, corners, tips, and strongly curved surfaces.
 
 use crate::shape_common::{families, real_meshes};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use tactus::geometry::shape::{FeaturePoint, Shape, generate};
 
-/// Every sample is on the surface, and no two of them are the same.
+/// Asserts that every sample is on the surface to 1e-12 m, that no two coincide, and that sampling is deterministic;
+/// returns the samples.
 fn check(shape: &Shape, spacing: f64) -> Vec<FeaturePoint> {
     let points = shape.features.sample(spacing, 1e-5);
     for p in &points {
@@ -35,7 +36,7 @@ fn a_box_has_eight_corners_and_twelve_edges() {
     let shape = generate::cuboid(DVec3::new(0.04, 0.03, 0.05), 0.0, 8).unwrap();
     assert_eq!(shape.features.sharp_edges.len(), 12);
     let points = check(&shape, 0.011);
-    // Edges of 40, 30, 50 mm are cut into 4, 3, 5 parts.
+    // Edges of 40, 30, 50 mm are divided into 4, 3, 5 parts.
     assert_eq!(points.len(), 8 + 4 * (3 + 2 + 4));
     assert!(points.iter().all(|p| p.sharp));
     let corner = points.iter().find(|p| p.position.distance(DVec3::new(0.02, 0.015, 0.025)) < 1e-12).unwrap();
@@ -47,7 +48,7 @@ fn rounded_edges_are_sampled_where_they_are_tight_for_the_spacing() {
     let shape = generate::cuboid(DVec3::splat(0.04), 0.002, 16).unwrap();
     assert!(shape.features.sample(1e-4, 1e-5).is_empty());
     let points = shape.features.sample(1e-3, 1e-5);
-    // Edges of 36 mm are cut into 36 parts, their arcs of 3.1 mm into 4 by 3 lines.
+    // Edges of 36 mm are divided into 36 parts, their arcs of 3.1 mm into 4 by 3 lines.
     assert_eq!(points.len(), 12 * 37 * 3);
     for p in points {
         let surface = shape.distance.closest(p.position, 1.0).unwrap();
@@ -55,8 +56,8 @@ fn rounded_edges_are_sampled_where_they_are_tight_for_the_spacing() {
     }
 }
 
-/// On the last 2 mm of a lemon, bent in a millimetre, no point of its drawing is farther than 0.3 mm from one that is felt; on a ball of
-/// 3 cm nothing is felt.
+/// On the last 2 mm of a lemon, with a radius of curvature of about 1 mm, every mesh vertex is within 0.3 mm of a
+/// sample; a sphere of radius 3 cm has no samples.
 #[test]
 fn tips_of_round_solids_are_sampled_where_they_are_tight_for_the_spacing() {
     let lemon = generate::lemon(0.07, 0.05, 64).unwrap();
@@ -71,8 +72,9 @@ fn tips_of_round_solids_are_sampled_where_they_are_tight_for_the_spacing() {
     assert!(ball.features.sample(3e-4, 1e-5).is_empty());
 }
 
-/// On a ball, a pin and a capsule of 2 mm no point of the surface is farther than 0.11 mm from one that is felt by a pad that feels it
-/// every millimetre, so that the pad comes in by 6 um at most; to one that feels it ten times as often they are round enough.
+/// On a sphere, pin and capsule of radius 1 mm every mesh vertex (except on the pin's flat ends) is within 0.11 mm of a
+/// sample at a spacing of 0.5 mm, so that a pad penetrates by at most 6 um; at a tenth of the spacing their curved
+/// surfaces have no samples.
 #[test]
 fn thin_rods_are_sampled_all_over() {
     let pin = generate::cylinder(1e-3, 0.01, 64).unwrap();

@@ -1,4 +1,4 @@
-//! The distance to a mesh is that to its nearest triangle, with the sign of the side.
+//! Signed distance to a mesh: the distance to its nearest triangle, negative inside.
 
 use crate::shape_common::{Random, brute_force, families, gradient_error, real_meshes, winding};
 use glam::{DMat3, DVec3};
@@ -11,7 +11,7 @@ fn meshes() -> Vec<(String, TriMesh)> {
     real_meshes().into_iter().chain(made).collect()
 }
 
-/// Points far and near, inside and out, and at corners and edges, with distances down to nanometres.
+/// Returns random points around the mesh and near its surface, inside and outside, at distances down to nanometres.
 fn points(mesh: &TriMesh, count: usize) -> Vec<DVec3> {
     let mut random = Random(1);
     let mut all: Vec<DVec3> = (0..count).map(|_| random.around(mesh)).collect();
@@ -38,7 +38,7 @@ fn sign_is_that_of_the_winding_number() {
         let d = MeshDistance::new(Arc::new(mesh.clone())).unwrap();
         for q in points(&mesh, 100) {
             let distance = d.distance(q);
-            // Nearer than a nanometre the winding number itself rounds.
+            // Within a nanometre of the surface the winding number has rounding errors.
             if distance.abs() > 1e-9 {
                 let w = winding(&mesh, q);
                 assert_eq!(distance < 0.0, w > 0.5, "{name} at {q}: {distance} m, winding number {w}");
@@ -61,7 +61,7 @@ fn it_is_1_lipschitz_and_the_gradient_is_its_slope_to_1e_6() {
             assert!((c.normal.length() - 1.0).abs() < 1e-9, "{name} at {q}: {}", c.normal);
             assert_eq!(c.curvature, DMat3::ZERO);
             assert_eq!(c.distance, d.distance(q));
-            // At a crease of the distance (the medial axis) there is no gradient; such points are few.
+            // The distance has no gradient on the medial axis; differences at few points cross it.
             if gradient_error(&d, q, 1e-8) < 1e-6 {
                 smooth += 1;
             } else {

@@ -1,4 +1,4 @@
-//! Rays enter objects where they should.
+//! Intersections of rays with objects.
 
 use crate::shape_common::{Random, families, real_meshes};
 use glam::DVec3;
@@ -19,7 +19,7 @@ fn a_ray_ends_on_the_surface_from_outside() {
             let d = shape.distance.distance(origin + hit.t * dir);
             assert!(d.abs() < 2e-12, "{}: {d} m off the surface", shape.name);
             assert!(hit.normal.dot(dir) < 1e-6, "{}: {} along {dir}", shape.name, hit.normal);
-            // Nothing is in the way.
+            // The ray is outside the object before the hit.
             for i in 0..20 {
                 let before = shape.distance.distance(origin + hit.t * f64::from(i) / 20.0 * dir);
                 assert!(before > -1e-12, "{}: {before} m inside before the hit", shape.name);
@@ -49,7 +49,7 @@ fn a_ray_to_an_inner_point_always_enters() {
 fn rays_through_corners_and_along_edges_do_not_slip_through() {
     let cube = Shape::from_mesh((*generate::cuboid(DVec3::splat(2.0), 0.0, 8).unwrap().surface).clone()).unwrap();
     let t = |from: DVec3, to: DVec3| cube.ray(from, to - from).map(|h| h.t);
-    // Along the diagonal shared by two triangles, at a corner, and through the middle of an edge.
+    // At the diagonal shared by two triangles, at a corner, and at the midpoint of an edge.
     assert!((t(DVec3::new(0.3, 0.3, 5.0), DVec3::new(0.3, 0.3, 0.0)).unwrap() - 4.0).abs() < 1e-12);
     assert!((t(DVec3::splat(3.0), DVec3::ZERO).unwrap() - 2.0 * 3.0_f64.sqrt()).abs() < 1e-12);
     assert!((t(DVec3::new(3.0, 3.0, 0.0), DVec3::ZERO).unwrap() - 2.0 * 2.0_f64.sqrt()).abs() < 1e-12);
@@ -62,7 +62,7 @@ fn the_analytic_sphere_is_hit_to_1e_12_m_and_misses_are_misses() {
     for offset in [0.0, 0.01, 0.0199, 0.019999999] {
         let hit = ball.ray(DVec3::new(-0.1, offset, 0.0), DVec3::X).unwrap();
         let wanted = 0.1 - (0.02_f64.powi(2) - offset * offset).sqrt();
-        // A grazing ray meets the surface at a small angle, which magnifies the distance's rounding.
+        // At grazing incidence the rounding error of the distance is amplified.
         assert!(
             (hit.t - wanted).abs() < if offset < 0.0195 { 1e-12 } else { 1e-8 },
             "{offset}: {} against {wanted}",

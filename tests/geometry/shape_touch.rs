@@ -1,14 +1,14 @@
-//! What a point near a mesh is held against: one place on flat ground and over ridges, all flanks in a valley.
+//! Contact of a point with a mesh: one closest point at flat faces and convex edges, all flanks at concave edges.
 
 use glam::DVec3;
 use std::sync::Arc;
 use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::shape::{MeshDistance, SignedDistance};
 
-/// From where the surface is felt, m.
+/// Distance within which the surface is active, m.
 const FELT: f64 = 0.3;
 
-/// An L of two by two with the corner (1, 1) in its inside, one thick.
+/// L-shaped prism of size 2 x 2 x 1 with its concave edge at (1, 1).
 fn bracket() -> MeshDistance {
     let outline = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];
     let mut mesh = TriMesh::default();
@@ -25,7 +25,7 @@ fn bracket() -> MeshDistance {
     MeshDistance::new(Arc::new(mesh)).expect("a solid")
 }
 
-/// Energy of a point at `q` that is pushed away from everything nearer than [`FELT`].
+/// Returns the energy of a point at `q` with a quadratic potential within [`FELT`] of the surface.
 fn energy(object: &MeshDistance, q: DVec3) -> f64 {
     let push = |d: f64| (FELT - d).max(0.0).powi(2);
     object.touch(q, FELT, FELT).map_or(0.0, |touch| touch.sum(|c| push(c.distance)))
@@ -38,7 +38,8 @@ fn flat_ground_and_ridges_are_touched_once() {
     for i in 0..40_000 {
         let f = |k: u32| (f64::from(i) * [0.754_877_666, 0.569_840_291, 0.430_159_709][k as usize]).fract();
         let q = DVec3::new(2.8 * f(0) - 0.4, 2.8 * f(1) - 0.4, 1.8 * f(2) - 0.4);
-        // Away from the valley, and outside: within, the nearest face alone counts as well, but it has a kink anyway.
+        // Outside the object and away from the concave edge. (Inside, the nearest face alone is active as well, but it
+        // has a kink.)
         let distance = object.distance(q);
         if q.x > 1.0 && q.y > 1.0 && q.x < 1.0 + FELT && q.y < 1.0 + FELT || !(0.0..FELT).contains(&distance) {
             continue;
@@ -64,7 +65,8 @@ fn both_flanks_of_a_valley_are_touched_and_where_they_meet_is_not_counted_twice(
     }
 }
 
-/// The push on a point (per metre) along a path over the valley, the flats and the ridges changes by no more than its stiffness allows.
+/// Along paths over the concave edge, flat faces and convex edges, the gradient of the energy changes by at most 40
+/// times the step.
 #[test]
 fn the_push_of_a_surface_has_no_jumps_outside_it() {
     let object = bracket();
@@ -83,7 +85,7 @@ fn the_push_of_a_surface_has_no_jumps_outside_it() {
         let pushes: Vec<DVec3> =
             (0..=steps).map(|k| gradient(from.lerp(to, f64::from(k) / f64::from(steps)))).collect();
         let jump = pushes.windows(2).map(|p| p[1].distance(p[0])).fold(0.0, f64::max);
-        // Three terms of second derivative two, and those of edges turn by push over distance.
+        // Bound of the Hessian: three terms with second derivative two, and at edges the force over the distance.
         assert!(jump < 40.0 * step, "{from} to {to}: {jump:.1e} in a step of {step:.1e}");
     }
 }

@@ -1,11 +1,11 @@
-//! The smooth surface of a mesh: consistent derivatives, small errors, the same whatever the number of triangles.
+//! Smooth surface of a mesh: consistent derivatives, small errors, independence of the number of triangles.
 
 use crate::skipped::data;
 use glam::{DMat3, DVec3};
 use tactus::geometry::mesh::io::read_tri_mesh;
 use tactus::geometry::shape::{Shape, ShapeKind, SurfaceDefinition};
 
-/// Spread points within `reach` (m) of the drawn surface of `shape`.
+/// Returns random points within `reach` (m) of the mesh of `shape`.
 fn points(shape: &Shape, reach: f64) -> Vec<DVec3> {
     let mesh = &shape.surface;
     let mut seed = 1_u64;
@@ -24,8 +24,8 @@ fn points(shape: &Shape, reach: f64) -> Vec<DVec3> {
     (0..mesh.triangles.len()).step_by(step).map(point).collect()
 }
 
-/// Checks that at points within 0.1 mm of the surface the normal is the gradient of the distance to 1e-6, and the curvature that of the normal
-/// to 1e-3 of the inverse radius. Returns how many points were looked at.
+/// Checks that at points within 0.1 mm of the surface the normal is the gradient of the distance to 1e-6, and the
+/// curvature is the gradient of the normal to 1e-3 of the inverse radius. Returns the number of points.
 fn check_derivatives(shape: &Shape, radius: f64) -> usize {
     let distance = |q: DVec3| shape.distance.distance(q);
     let normal = |q: DVec3| shape.distance.closest(q, 1.0).expect("near").normal;
@@ -71,7 +71,8 @@ fn normals_and_curvature_are_derivatives_of_the_distance() {
     }
 }
 
-/// The smooth surfaces of one ellipsoid in 8,000 and in 70,000 triangles lie within 60 um of each other, and within 0.1 mm of their meshes.
+/// The smooth surfaces of an ellipsoid meshed with 8,000 and with 70,000 triangles agree to 60 um, and with their
+/// meshes to 0.1 mm.
 #[test]
 fn a_surface_does_not_depend_on_the_number_of_triangles() {
     let shapes = [64, 192].map(|segments| {
@@ -89,7 +90,7 @@ fn a_surface_does_not_depend_on_the_number_of_triangles() {
     }
 }
 
-/// The surface turns with the object: distances from a turned mesh are the same to 1e-9 m.
+/// The surface is invariant under rotation of the object: distances from a rotated mesh are the same to 1e-9 m.
 #[test]
 fn a_surface_turns_with_its_object() {
     let semi_axes = DVec3::new(0.034, 0.026, 0.022);
@@ -105,7 +106,7 @@ fn a_surface_turns_with_its_object() {
     }
 }
 
-/// A box and a prism keep their facets; a ball of triangles does not.
+/// A prism keeps its flat faces; a meshed sphere is replaced by a smooth surface within 0.1 mm.
 #[test]
 fn flat_faces_stay() {
     let prism = ShapeKind::Prism { sides: 6, radius: 0.02, height: 0.04 }.build(8).unwrap();
@@ -116,7 +117,7 @@ fn flat_faces_stay() {
     let (shape, _) = ball.with_suitable_surface(6e-4);
     let (_, largest, _) = smooth(&shape);
     assert!(shape.features.vertices.is_empty() && largest < 1e-4, "{largest} m");
-    // Far from the surface the distance is a lower bound, within what the surface is off.
+    // Far from the surface the distance is a lower bound, accurate to the error of the surface.
     for q in [DVec3::X * 0.05, DVec3::ZERO] {
         let exact = q.length() - 0.02;
         let found = shape.distance.distance(q);

@@ -1,4 +1,4 @@
-//! The fast mode: pads condensed onto where they can touch, against the full solver and against themselves.
+//! Pads statically condensed onto their contact patches, against the full solver, equilibrium and reproducibility.
 
 use crate::common::Random;
 use crate::keep::Keep;
@@ -26,7 +26,7 @@ fn read(text: &str) -> Result<Scene, String> {
     load(&path).map(|loaded| loaded.scene).map_err(|e| e.to_string())
 }
 
-/// A squeeze of an ellipsoid to `force` (N, both fingers).
+/// Returns a scene that squeezes an ellipsoid with `force` (N, sum of both fingers).
 fn squeeze(force: f64, frames: usize, more: &str) -> Scene {
     let text = format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
@@ -44,14 +44,14 @@ fn run(scene: &Scene, threads: usize) -> (Outcome, Vec<Frame>) {
     (outcome, keep.0.into_inner().unwrap())
 }
 
-/// Norm of the difference of a nodal quantity over the norm of the quantity.
+/// Returns the norm of the difference of a nodal quantity relative to its norm in `full`.
 fn error<T: Copy + Into<DVec3>>(full: &Frame, fast: &Frame, pick: impl Fn(&Frame) -> Vec<T>) -> f64 {
     let (a, b) = (pick(full), pick(fast));
     let difference: f64 = a.iter().zip(&b).map(|(a, b)| (*a).into().distance_squared((*b).into())).sum();
     (difference / a.iter().map(|a| (*a).into().length_squared()).sum::<f64>()).sqrt()
 }
 
-/// Errors of displacement, von Mises stress, contact force and travel.
+/// Returns the relative errors of displacement, von Mises stress, contact force and travel.
 fn errors(full: &Frame, fast: &Frame) -> [f64; 4] {
     let nodal = |frame: &Frame| frame.pads.iter().flat_map(|p| p.displacement.clone()).collect::<Vec<_>>();
     let force = |frame: &Frame| frame.pads.iter().flat_map(|p| p.contact_force.clone()).collect::<Vec<_>>();
@@ -77,7 +77,7 @@ fn the_condensed_stiffness_answers_forces_on_the_patch_like_the_whole_pad() {
     };
     let mut random = Random(1);
     let force: Vec<f64> = patch.iter().flat_map(|_| random.vector().to_array()).collect();
-    // The whole pad in its own order of elimination.
+    // The full pad in its own elimination order.
     let mut rhs = vec![0.0; body.unknowns()];
     let row = |k: usize| {
         let position = body.pattern().position[patch[k / 3] as usize];
@@ -96,8 +96,9 @@ fn the_condensed_stiffness_answers_forces_on_the_patch_like_the_whole_pad() {
 
 #[test]
 fn errors_stay_small_from_a_tenth_of_a_newton_to_fifteen() {
-    // Friction remembers how contact was made, which fades as it spreads: the first of ten frames is the worst. With the same
-    // pads a contact 80 instead of 50 times stiffer than a layer of the pad brings its nodal forces from 4.4 % to 6.8 %.
+    // Friction depends on the history of contact, an effect that decays as the contact grows: the first of ten frames
+    // has the largest error. A contact 80 instead of 50 times stiffer than a layer of the pad increases the error of
+    // nodal forces from 4.4 % to 6.8 %.
     for (force, frames, first, last) in [(0.2, 4, 0.01, 0.005), (15.0, 10, 0.08, 0.02)] {
         let (full, fast) = (run(&squeeze(force, frames, FULL), 2), run(&squeeze(force, frames, FAST), 2));
         assert_eq!(fast.0.summary.status, Status::Reached, "{:?}", fast.0.summary);
@@ -122,7 +123,8 @@ fn every_frame_is_balanced_and_neither_inverted_nor_penetrating() {
     }
 }
 
-/// A heavy ball rolls into the pads in springs and halvings as it is let go, and keeps its weight of 1.62 N.
+/// A heavy ball whose release needs proximal springs and halved increments still has its weight of 1.62 N carried by
+/// the pads, to 0.01 N.
 #[test]
 fn an_object_let_go_keeps_its_weight_whatever_it_takes() {
     let text = "(object: (shape: Sphere(radius: 0.004), density: 615995.0),
@@ -168,7 +170,7 @@ fn a_press_feels_the_same_force_at_the_same_depth() {
 
 #[test]
 fn an_object_that_is_squeezed_out_is_dropped_and_positions_stay_finite() {
-    // A slick ellipsoid held at its end by the rims of the pads.
+    // A frictionless ellipsoid held at its end by the edges of the pads.
     let text = format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017))), gripper: (pads: GelSightMini(spacing: 3e-3), friction: 0.0),
           grasps: List([(position: (0, 0, -0.123))]), loading: Squeeze(force: 6.0, frames: 3), {FAST})"

@@ -1,5 +1,5 @@
-//! A pad folded over an edge of the object, as sharply as knife edges and rims fold it: the distance to it is continuous, and so
-//! is the force on a feature that crosses a fold.
+//! Pad surface with a fold as sharp as those at knife edges and rims: the distance to the pad is continuous, and so is
+//! the force on a contact vertex of the object that crosses the fold.
 
 use crate::common::{Random, elements};
 use glam::{DQuat, DVec3};
@@ -15,7 +15,7 @@ use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::state::{RigidUnknowns, State};
 use tactus::mech::potential::term::{Assembly, BodyTerm};
 
-/// A slab of 3 x 3 x 1 cells of length one on a fixed back.
+/// Slab of 3 x 3 x 1 cells of unit length with a fixed back.
 fn slab(quadratic: bool) -> Body {
     let lines = [0.0, 1.0, 2.0, 3.0];
     let mesh: TetMesh = grid::structured([&lines, &lines, &[0.0, 1.0]]).expect("grid");
@@ -24,7 +24,8 @@ fn slab(quadratic: bool) -> Body {
     Body::new(rest, elements, fixed, Arc::new(NeoHookean::new(1.0, 0.45)), true)
 }
 
-/// Its nodes, folded along x = 1: the flanks rise by `slope` away from there; a ridge is raised above the slab.
+/// Returns the nodes of the slab folded along x = 1: the flanks rise by `slope` away from the fold; a ridge (negative
+/// slope) is raised.
 fn folded(body: &Body, slope: f64) -> Vec<DVec3> {
     let from = if slope < 0.0 { 2.0 } else { 0.0 };
     body.rest.iter().map(|p| *p + DVec3::Z * (slope * ((p.x - 1.0).abs() - from) * p.z)).collect()
@@ -39,14 +40,14 @@ fn distance_to_a_folded_pad_changes_no_faster_than_the_point_moves() {
         let spike = |p: &DVec3| if *p == DVec3::new(1.0, 1.0, 1.0) { *p + DVec3::Z * 1.5 } else { *p };
         let spiked: Vec<DVec3> = body.rest.iter().map(spike).collect();
         let mut shapes = vec![folded(&body, 1.5), folded(&body, -0.6), folded(&body, -1.5)];
-        // Of curved faces the distance is found by iteration.
+        // A spike would curve quadratic faces, on which the closest point is found by iteration.
         shapes.extend((!quadratic).then_some(spiked));
         for x in shapes {
             let mut bounds = FaceBounds::new(1e-5);
             bounds.update(&surface, &x);
             let gap = |y: DVec3| bounds.closest(&surface, &x, y, 10.0).expect("everything is within reach").gap;
             for _ in 0..40 {
-                // Around the free rim and the fold, above the middle of the side faces.
+                // Region around the free rim and the fold, above mid-height of the side faces.
                 let mut end = || DVec3::new(1.5, 1.5, 2.2) + random.vector() * DVec3::new(2.0, 2.0, 1.6);
                 let (a, b) = (end(), end());
                 let steps = 500;
@@ -62,8 +63,8 @@ fn distance_to_a_folded_pad_changes_no_faster_than_the_point_moves() {
     }
 }
 
-/// A feature over a pad with nodes at `x`: the force on the object (N) with the feature at `y`, and the energy (J) of points at
-/// `others`.
+/// Returns the force (N) on the object for a contact vertex at `y` over a pad with nodes at `x`, and the energies (J)
+/// with the vertex at each of `others`.
 fn press(body: &Body, x: &[DVec3], y: DVec3, others: &[DVec3]) -> (DVec3, Vec<f64>) {
     let law = ContactLaw { stiffness: 1.0, offset: 0.05, friction: 0.0, tangential: 1.0 };
     let features = Arc::from([Feature { position: DVec3::ZERO, sharp: true, along: None }]);
@@ -76,7 +77,7 @@ fn press(body: &Body, x: &[DVec3], y: DVec3, others: &[DVec3]) -> (DVec3, Vec<f6
     (-DVec3::from_slice(&block.rigid.gradient[..3]), energies)
 }
 
-/// Heights are those of half the offset over a flank; between them, in the fold, the feature is nearer to both.
+/// The vertex moves at half the contact offset above the flanks; in the fold it is closer to both.
 #[test]
 fn force_on_a_feature_turns_gradually_from_one_flank_of_a_fold_to_the_other() {
     for quadratic in [false, true] {
@@ -91,7 +92,8 @@ fn force_on_a_feature_turns_gradually_from_one_flank_of_a_fold_to_the_other() {
             assert!((first.length() - last.length()).abs() < 1e-9 * first.length(), "{first} {last}");
             let jump = forces.windows(2).map(|f| f[1].distance(f[0])).fold(0.0, f64::max) / first.length();
             println!("quadratic {quadratic}, slope {slope}: {jump:.1e}");
-            // Without a fold nothing is felt of the rims of faces; with one the force turns over a twentieth of a face.
+            // Without a fold, crossing between faces does not change the force; with one the force turns over a
+            // twentieth of a face.
             let most = if slope == 0.0 { 1e-9 } else { 0.06 };
             assert!(jump < most, "quadratic {quadratic}, slope {slope}: the force jumps by {jump:.1e}");
         }
@@ -113,14 +115,14 @@ fn force_in_a_fold_is_the_gradient_of_its_energy() {
     }
 }
 
-/// An edge of the object lies across a ridge of the pad: the point on it that may move goes to where they cross.
+/// For an edge of the object across a ridge of the pad, the movable contact vertex on the edge moves to the crossing.
 #[test]
 fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
     let body = slab(false);
     let x = folded(&body, -0.6);
-    // With the short reach the point that may move is farther away at first than those that are looked for.
+    // With the smaller offset the movable vertex is initially outside the search radius.
     for offset in [1e-3, 1e-5] {
-        // The ridge is at 2.2.
+        // The ridge is at a height of 2.2.
         let height = 2.2 - 5.0 * offset;
         let (a, b) = (DVec3::new(0.9, 1.5, height), DVec3::new(1.8, 1.6, height));
         let ridge = Ridge { a, b, normal: -DVec3::Z, angle: 0.2, round: false };

@@ -1,4 +1,4 @@
-//! Closest points on the faces of a deformed pad against a search over all of them.
+//! Closest points on the faces of a deformed pad against an exhaustive search.
 
 use crate::common::{Random, elements};
 use glam::DVec3;
@@ -10,8 +10,8 @@ use tactus::mech::contact::project::{ClosestPoint, FaceBounds};
 use tactus::mech::contact::surface::face_frame;
 use tactus::mech::material::NeoHookean;
 
-/// A slab of 3 x 3 x 1 cells with its back fixed, its nodes moved at random by up to `bend` of a cell; lengths of
-/// order one.
+/// Returns the surface and the nodes of a slab of 3 x 3 x 1 unit cells with a fixed back, its nodes displaced at random
+/// by up to `bend`.
 fn slab(quadratic: bool, bend: f64, seed: u64) -> (ContactSurface, Vec<DVec3>) {
     let mut random = Random(seed);
     let lines = [0.0, 1.0, 2.0, 3.0];
@@ -23,7 +23,7 @@ fn slab(quadratic: bool, bend: f64, seed: u64) -> (ContactSurface, Vec<DVec3>) {
     (ContactSurface::new(&body), x)
 }
 
-/// Distance of `y` from the surface: the best of a lattice on every face, refined by pattern search.
+/// Returns the distance of `y` from the surface: the closest lattice point of each face, refined by pattern search.
 fn search(surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
     let mut best = f64::INFINITY;
     for face in surface.faces.iter() {
@@ -57,7 +57,7 @@ fn search(surface: &ContactSurface, x: &[DVec3], y: DVec3) -> f64 {
     best
 }
 
-/// A foot lies where it says, as far and in the direction it says.
+/// Asserts that foot, gap and normal of a closest point are consistent with `y` to 1e-6.
 fn consistent(surface: &ContactSurface, x: &[DVec3], y: DVec3, foot: &ClosestPoint) {
     let face = &surface.faces[foot.face];
     let (p, frame) = face_frame(face, x, foot.l);
@@ -68,7 +68,8 @@ fn consistent(surface: &ContactSurface, x: &[DVec3], y: DVec3, foot: &ClosestPoi
     assert!(foot.normal.dot(frame) > -1e-9, "the normal points out of the gel: {foot:?}, frame {frame}");
 }
 
-/// Points at a height of at most `height` over or under the free surface, faces' rims and the pad's edges included.
+/// Compares distances of points at most `height` above or below the free surface, including those near the rims of
+/// faces and the edges of the pad.
 fn check(quadratic: bool, bend: f64, height: f64, tolerance: f64) {
     let mut random = Random(9);
     let (mut compared, mut worst) = (0, 0.0_f64);
@@ -106,13 +107,14 @@ fn closest_points_of_straight_quadratic_faces_are_those_of_a_search() {
     check(true, 0.0, 0.2, 1e-7);
 }
 
-/// Where the foot lies inside a bent face the distance is exact; on its rim the search stops early, which costs little.
+/// The distance is exact if the closest point is inside a curved face; on its rim the iteration stops early, with an
+/// error below 1e-5.
 #[test]
 fn closest_points_of_bent_faces_are_those_of_a_search() {
     check(true, 0.05, 0.1, 1e-5);
 }
 
-/// Faces bent through more than a right angle: no point of the surface is nearer than the foot, which is where it says.
+/// On faces curved by more than a right angle no point of the surface is more than 1e-5 closer than the returned one.
 #[test]
 fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
     let mut random = Random(4);
@@ -131,7 +133,8 @@ fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
     }
 }
 
-/// A point right on a folded face is found there, also a thousandth of the face away from its rim.
+/// The closest point of a point at most 1e-4 from a folded face is no farther than that face (to 1e-7), also at a
+/// thousandth of the face from its rim.
 #[test]
 fn a_point_on_a_crumpled_surface_is_found_on_it() {
     let mut random = Random(5);

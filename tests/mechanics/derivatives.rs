@@ -1,4 +1,4 @@
-//! Every energy has the gradient and the Hessian it claims: differences of high order, to 1e-7 of the largest entry.
+//! Gradients and Hessians of every energy against finite differences of high order, to 1e-7 of the largest entry.
 
 use crate::common::{Random, elements};
 use glam::{DMat3, DQuat, DVec3};
@@ -27,7 +27,7 @@ use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
 use tactus::scene::motion::HandState;
 
-/// Every law is tested by every test of this file. A new law is one line here.
+/// All material laws; the tests of laws and elements run for each of them.
 fn laws() -> Vec<Arc<dyn Material>> {
     vec![
         Arc::new(NeoHookean::new(3.0, 0.45)),
@@ -36,28 +36,28 @@ fn laws() -> Vec<Arc<dyn Material>> {
     ]
 }
 
-/// Relative to the largest entry.
+/// Largest error allowed, relative to the largest entry.
 const TOLERANCE: f64 = 1e-7;
 
-/// Derivative at 0 of `f`, by central differences of fourth order.
+/// Returns the derivative of `f` at 0 by central differences of fourth order.
 fn slope(step: f64, f: impl Fn(f64) -> f64) -> f64 {
     (8.0 * (f(step) - f(-step)) - (f(2.0 * step) - f(-2.0 * step))) / (12.0 * step)
 }
 
-/// Second derivative at 0 of `f`, sixth order.
+/// Returns the second derivative of `f` at 0 by central differences of sixth order.
 fn bend(step: f64, f: impl Fn(f64) -> f64) -> f64 {
     let pair = |k: f64| f(k * step) + f(-k * step);
     (270.0 * pair(1.0) - 27.0 * pair(2.0) + 2.0 * pair(3.0) - 490.0 * f(0.0)) / (180.0 * step * step)
 }
 
-/// Largest difference over the largest entry of `b`, and of `floor`.
+/// Returns the largest difference relative to the largest magnitude in `b`, or to `floor` if that is larger.
 fn deviation(a: &[f64], b: &[f64], floor: f64) -> f64 {
     assert_eq!(a.len(), b.len());
     let scale = b.iter().fold(floor, |m, v| m.max(v.abs()));
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
 }
 
-/// The deformation gradients a law is tested at: (name, strain, F with det F > 0.1, rotated).
+/// Deformation gradients at which a law is tested: (name, strain, F with det F > 0.2).
 fn gradients() -> Vec<(String, f64, DMat3)> {
     let mut random = Random(1);
     let mut list = Vec::new();
@@ -67,7 +67,7 @@ fn gradients() -> Vec<(String, f64, DMat3)> {
             let f = DMat3::IDENTITY + random.matrix() * strain;
             let turned = DMat3::from_quat(random.rotation()) * f;
             if f.determinant() > 0.2 {
-                // Half of them turned by a large rotation.
+                // Every second one is followed by a large rotation.
                 list.push((format!("{name} {count}"), strain, if count % 2 == 0 { f } else { turned }));
                 count += 1;
             }
@@ -76,14 +76,14 @@ fn gradients() -> Vec<(String, f64, DMat3)> {
     list
 }
 
-/// `f` with entry `c` (column-major) changed by `d`.
+/// Returns `f` with `d` added to entry `c` (column-major).
 fn changed(f: &DMat3, c: usize, d: f64) -> DMat3 {
     let mut entries = f.to_cols_array();
     entries[c] += d;
     DMat3::from_cols_array(&entries)
 }
 
-/// Steps are powers of two, so that `x + step` is exact, and a fraction of the strain.
+/// Finite-difference step: a fraction of the strain, and a power of two to limit the rounding of `x + step`.
 fn step_for(strain: f64) -> f64 {
     if strain < 0.01 { 2f64.powi(-12) } else { 2f64.powi(-9) }
 }
@@ -95,7 +95,7 @@ fn stress_is_the_gradient_of_the_distortional_energy_and_the_tangent_that_of_the
             let h = step_for(strain);
             let stress = law.distortional_stress(&f).to_cols_array();
             let numeric: [f64; 9] = std::array::from_fn(|c| slope(h, |d| law.distortional_energy(&changed(&f, c, d))));
-            // A stress of E * strain is what this F can cause; rotations alone cause none.
+            // `E * strain` is the order of magnitude of the stress; it scales the error where the stress is small.
             let error = deviation(&numeric, &stress, law.moduli().young * strain);
             assert!(error < TOLERANCE, "{}, {name}: stress off by {error:.1e}", law.name());
 
@@ -149,10 +149,10 @@ fn dilatations_have_their_gradient_and_hessian() {
     }
 }
 
-/// Checks one element type under one law, with and without mean dilatation.
+/// Checks gradient and stiffness of one element type with one law, with and without mean dilatation.
 fn check_element<const N: usize, const Q: usize>(shape: &ShapeFunctions<N, Q>, law: &dyn Material) {
     let mut random = Random(N as u64);
-    // A crooked tetrahedron; mid-edge nodes where they belong.
+    // An irregular tetrahedron with straight edges: mid-edge nodes at the midpoints.
     let corners = [[0.1, 0.0, -0.1], [1.1, 0.2, 0.1], [0.2, 0.9, 0.0], [0.3, 0.1, 1.2]].map(DVec3::from_array);
     let rest = RestTet::new(corners);
     let straight: [DVec3; N] = std::array::from_fn(|a| match a.checked_sub(4) {
@@ -207,7 +207,7 @@ fn check_element<const N: usize, const Q: usize>(shape: &ShapeFunctions<N, Q>, l
     }
 }
 
-/// An element has the same bits alone and beside others.
+/// Gradient and stiffness of an element have the same bits when it is evaluated alone and in a batch.
 #[test]
 fn stiffness_does_not_depend_on_the_elements_beside() {
     let mut random = Random(11);
@@ -233,7 +233,7 @@ fn stiffness_does_not_depend_on_the_elements_beside() {
     }
 }
 
-/// No eigenvalue below -1e-10 of the largest.
+/// Asserts that no eigenvalue is below -1e-10 of the largest.
 fn assert_positive(what: &str, n: usize, matrix: &[f64]) {
     let matrix = faer::Mat::<f64>::from_fn(n, n, |i, j| matrix[n * i + j]);
     let eigen = matrix.self_adjoint_eigenvalues(faer::Side::Lower).expect("eigenvalues");
@@ -249,7 +249,7 @@ fn nodal_forces_are_the_gradient_of_the_element_energy_and_the_stiffness_that_of
     }
 }
 
-/// A block with two fixed nodes, one finger whose travel is an unknown, and a free object: every coordinate there is.
+/// Two tetrahedra with fixed nodes, one finger whose travel is an unknown, and a free object: every kind of coordinate.
 struct Scene {
     body: Body,
     rigid: RigidUnknowns,
@@ -270,12 +270,12 @@ impl Scene {
         Self { body, rigid, state }
     }
 
-    /// The state as one that an increment departs from, over `step` if it has one.
+    /// Returns the state as the start of an increment, over the time step `step` if there is one.
     fn departure(&self, step: Option<TimeStep>) -> Departure {
         Departure::new(Arc::new(self.state.clone()), 0, &self.rigid, step)
     }
 
-    /// Moves every coordinate at random, those of nodes less.
+    /// Moves every coordinate at random by up to `drag`, those of nodes by up to a fifth of it.
     fn shake(&mut self, drag: f64, random: &mut Random) {
         let n = 3 * self.body.rest.len();
         for c in 0..self.size() {
@@ -284,17 +284,17 @@ impl Scene {
         }
     }
 
-    /// Number of coordinates: every node, free or fixed, then the rigid unknowns.
+    /// Number of coordinates: those of all nodes, free or fixed, then the rigid unknowns.
     fn size(&self) -> usize {
         3 * self.body.rest.len() + self.rigid.size
     }
 
-    /// Moves coordinate `a` by `d` and `b` by `e`, as the solver would.
+    /// Returns the state with coordinate `a` moved by `d` and `b` by `e`, with the solver's update.
     fn moved(&self, a: usize, d: f64, b: usize, e: f64) -> State {
         self.state.moved(&self.rigid, &self.step(a, d, b, e), 1.0)
     }
 
-    /// The step of coordinate `a` by `d` and of `b` by `e`.
+    /// Returns the step that moves coordinate `a` by `d` and `b` by `e`.
     fn step(&self, a: usize, d: f64, b: usize, e: f64) -> NewtonStep {
         let n = 3 * self.body.rest.len();
         let mut step = NewtonStep { x: vec![vec![DVec3::ZERO; n / 3]], rigid: [0.0; MAX_RIGID] };
@@ -314,19 +314,19 @@ impl Scene {
         block
     }
 
-    /// Gradient in all coordinates.
+    /// Returns the gradient with respect to all coordinates.
     fn gradient(&self, block: &BodyBlock) -> Vec<f64> {
         let nodes = block.gradient.iter().flat_map(|g| g.to_array());
         nodes.chain(block.rigid.gradient[..self.rigid.size].iter().copied()).collect()
     }
 
-    /// Coordinates that are unknowns: those of free nodes and the rigid unknowns.
+    /// Returns the coordinates that are unknowns: those of free nodes and the rigid unknowns.
     fn unknowns(&self) -> Vec<usize> {
         let n = 3 * self.body.rest.len();
         (0..self.size()).filter(|c| *c >= n || !self.body.fixed[c / 3]).collect()
     }
 
-    /// Hessian between all unknowns, row-major.
+    /// Returns the Hessian with respect to all unknowns, row-major.
     fn hessian(&self, block: &BodyBlock) -> Vec<f64> {
         let (n, pattern) = (3 * self.body.rest.len(), self.body.pattern());
         let row = |c: usize| 3 * pattern.position[c / 3] as usize + c % 3;
@@ -345,7 +345,7 @@ impl Scene {
         unknowns.iter().flat_map(|a| unknowns.iter().map(move |b| entry(*a, *b))).collect()
     }
 
-    /// Second derivatives of `energy` between the coordinates `columns`, row-major.
+    /// Returns the finite-difference Hessian of `energy` with respect to the coordinates `columns`, row-major.
     fn second_differences(&self, columns: &[usize], energy: &dyn Fn(&State) -> f64) -> Vec<f64> {
         let h = STEP;
         let at = |a, d, b, e| energy(&self.moved(a, d, b, e));
@@ -362,7 +362,7 @@ impl Scene {
         numeric
     }
 
-    /// The gradient of a term against differences of its energy, with what it lags frozen by one assembly.
+    /// Checks the gradient of a term against differences of its energy; one assembly fixes its lagged quantities.
     fn check_gradient(&self, what: &str, term: &mut dyn BodyTerm) {
         let gradient = self.gradient(&self.assemble(term, Assembly::WHOLE));
         let energy = |c, d| self.energy(term, &self.moved(c, d, c, 0.0));
@@ -371,7 +371,7 @@ impl Scene {
         assert!(error < TOLERANCE, "{what}: gradient off by {error:.1e}");
     }
 
-    /// Gradient and Hessian. With projection, the Hessian must be positive semidefinite and the gradient the same.
+    /// Checks gradient and Hessian. Projection must give a positive semidefinite Hessian and the same gradient.
     fn check(&self, what: &str, term: &mut dyn BodyTerm) {
         let unknowns = self.unknowns();
         let projected = self.assemble(term, Assembly::PROJECTED);
@@ -410,7 +410,7 @@ fn barriers_of_crushed_elements_have_their_derivatives() {
     for term in &mut terms {
         assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "nothing is crushed");
     }
-    // Inside out, so that no difference crosses the kink where the barrier ends.
+    // Inverted elements, so that no difference crosses the kink at which the barrier becomes active.
     scene.state.x[0].iter_mut().for_each(|x| x.z *= -0.2);
     for term in &mut terms {
         assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "both elements are crushed");
@@ -433,28 +433,28 @@ fn the_energy_of_a_condensed_pad_has_its_derivatives() {
     scene.check("condensed", &mut term);
 }
 
-/// Step of differences of energies of scenes.
+/// Finite-difference step for energies of a [`Scene`].
 const STEP: f64 = 1.0 / 1024.0;
-/// Three steps in each of two coordinates move a point by less than this.
+/// Distance from a kink that excludes a scene: three steps in each of two coordinates move a point by less.
 const MARGIN: f64 = 0.02;
 
-/// Pressure, its two branches (the second from a quarter of the offset on) and friction in lengths of order one.
+/// Contact law for lengths of order one; its pressure has a second branch at gaps below a quarter of the offset.
 fn contact_law(offset: f64, friction: f64) -> ContactLaw {
     ContactLaw { stiffness: 4.0, offset, friction, tangential: 3.0 }
 }
 
-/// Whether a gap is near one of the two kinks of the pressure.
+/// Returns whether a gap is near one of the two kinks of the pressure.
 fn near_kink(law: &ContactLaw, gap: f64) -> bool {
     (gap - law.offset).abs() < MARGIN || (gap - 0.25 * law.offset).abs() < MARGIN
 }
 
-/// Whether an edge that touches is near the limit of friction, at `slip` from its anchor.
+/// Returns whether a contact edge under pressure is near the friction limit, at `slip` from its anchor.
 fn near_slip(law: &ContactLaw, e: &EdgeState, slip: DVec3) -> bool {
     let limit = law.friction * e.pressure / law.tangential;
     law.friction > 0.0 && e.pressure > 0.0 && (slip.length() - limit).abs() < MARGIN
 }
 
-/// Whether a point of the pad is near a change of its state (touch, branch, slip), where the second derivative jumps.
+/// Returns whether a point of the pad is near a jump of the second derivative (change of contact, branch or slip).
 fn near_jump(
     scene: &Scene,
     contact: &PointContact,
@@ -468,14 +468,14 @@ fn near_jump(
         let (e, own) = (contact.edge(i), contact.law_of(i));
         let relative = surface.points[i].position(view.x) + view.offset - position;
         let slip = across(relative - rotation * e.anchor.unwrap_or_default(), e.normal) * e.share;
-        // A skipped edge does not know its gap.
+        // Skipped edges have no stored gap.
         let gap = object.distance(rotation.transpose() * relative);
-        // Deep inside the object the closest point jumps.
+        // Deep inside the object the closest point is discontinuous.
         near_kink(&own, gap) || near_slip(&own, e, slip) || gap < -law.offset
     })
 }
 
-/// Numbers of edges that a check covered.
+/// Numbers of contact edges that a check covered, by pressure branch and friction state.
 #[derive(Debug, Default, Clone, Copy)]
 struct Covered {
     soft: usize,
@@ -495,8 +495,8 @@ impl Covered {
     }
 }
 
-/// Runs the contact check on random scenes with no point within reach of a change of its state (touch, branch, slip),
-/// where the second derivative jumps. `friction` is the coefficient, `drag` the motion after sticking, m.
+/// Checks the contact term on random scenes in which no point is near a change of state (contact, branch, slip), where
+/// the second derivative jumps. `friction` is the coefficient, `drag` the motion after the anchors are set, m.
 fn check_contact(friction: f64, drag: f64) -> Covered {
     let objects: [Arc<dyn SignedDistance>; 2] =
         [Arc::new(Sphere { radius: 0.8 }), Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) })];
@@ -507,7 +507,7 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 2));
         let law = contact_law(0.4, friction);
         let mut contact = PointContact::new(law, surface.clone(), object.clone());
-        // Stick here, then move on; points that went deep are stiffened.
+        // Set the anchors here, then move on; deeply penetrating points are stiffened.
         scene.assemble(&mut contact, Assembly::WHOLE);
         contact.satisfied(&scene.body, &scene.state.view(0, &scene.rigid));
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
@@ -525,21 +525,20 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
     covered
 }
 
-/// The part of `s` across `normal`.
+/// Returns the part of `s` perpendicular to `normal`.
 fn across(s: DVec3, normal: DVec3) -> DVec3 {
     s - normal * normal.dot(s)
 }
 
-/// Exact Hessian including the curvature of the object and the second order of the rotation `exp(w) R` at `w = 0`.
+/// The Hessian is exact, including the object's curvature and the second order of the rotation `exp(w) R` at `w = 0`.
 #[test]
 fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(0.0, 0.05);
     assert!(covered.soft > 30 && covered.hard > 30, "{covered:?}");
 }
 
-/// The limit `mu p` and the normal are lagged by design: assembly freezes them, and gradient and Hessian are those of
-/// the frozen potential, which `energy` returns until the next assembly. That the true friction force also changes
-/// with the pressure is what `couple` adds.
+/// The limit `mu p` and the normal are lagged: assembly fixes them, and gradient and Hessian are those of the lagged
+/// potential, which `energy` returns until the next assembly. `couple` adds the dependence of friction on the pressure.
 #[test]
 fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     let covered = check_contact(5.0, 0.03);
@@ -552,8 +551,8 @@ fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
     assert!(covered.slipping > 50, "{covered:?}");
 }
 
-/// What a term listed in an earlier state is enough until it lists anew: energy, forces and clearance are those of a term that looks at all
-/// points, bit for bit, however far pad and object have moved since.
+/// A term whose candidate list dates from an earlier state has the same energy, forces and clearance, bit for bit, as a
+/// newly created term, however far pad and object have moved since.
 #[test]
 fn points_that_are_not_listed_do_not_matter() {
     let object: Arc<dyn SignedDistance> = Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) });
@@ -583,9 +582,9 @@ fn points_that_are_not_listed_do_not_matter() {
     assert!(touched > 60, "{touched} states with contact");
 }
 
-/// How the true gradient changes along every coordinate that does not turn the object: the Hessian of the frozen potential plus what
-/// `couple` adds, which is that friction limits follow the pressure, and that a point that touches within the increment sticks for more of
-/// it the deeper it gets. The object is a slab, whose normal does not turn.
+/// The derivative of the true gradient along every coordinate except the object's rotation is the Hessian of the lagged
+/// potential plus the terms of `couple`: friction limits depend on the pressure, and the active fraction of a point
+/// that comes into contact within the increment grows with its depth. The object is a slab with constant normals.
 #[test]
 fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
     let object: Arc<dyn SignedDistance> = Arc::new(Cuboid { core: DVec3::new(9.0, 9.0, 0.8), radius: 0.0 });
@@ -600,7 +599,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
         let here = scene.state.clone();
         if seed % 3 == 0 {
-            // Nothing has been touched yet: the slab was farther off.
+            // No contact at the start of the increment: the slab was farther away.
             contact = PointContact::new(law, surface.clone(), object.clone());
             scene.state.position.z += if seed % 2 == 0 { 0.5 } else { -0.5 };
         }
@@ -610,7 +609,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         let block = scene.assemble(&mut contact, Assembly::WHOLE);
         let view = scene.state.view(0, &scene.rigid);
         let kink = near_jump(&scene, &contact, &surface, &law, object.as_ref());
-        // Differences are sharp only where gap and slip are well above what they step.
+        // Differences are accurate only where gap and slip are well above the step.
         let small = |e: &EdgeState| {
             e.slips && e.limit < 0.05 * law.tangential
                 || e.clear.is_some_and(|clear| clear > law.offset && clear - e.gap < 0.15)
@@ -648,9 +647,9 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
     assert!(covered.slipping > 30 && touching > 10, "{covered:?}, {touching} touching");
 }
 
-/// Features of the object over inner points of the pad's faces, so that each presses on one of them alone, in scenes away
-/// from kinks: the scene, the law, the term after one assembly at the state it stuck at and one where it is now,
-/// and the same term without friction.
+/// Creates scenes away from kinks with contact vertices of the object over interior points of the pad's faces, so that
+/// each presses on a single face. Returns the scene, the law, the term (assembled and committed at the state of its
+/// anchors, then assembled at the current state), and the same term without friction.
 fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactLaw, FeatureContact, FeatureContact)> {
     let mut scenes = Vec::new();
     for seed in 0..60 {
@@ -658,7 +657,7 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactL
         let mut scene = Scene::new(seed % 2 == 1, &mut random);
         let surface = Arc::new(ContactSurface::new(&scene.body));
         let felt = contact_law(0.4, friction);
-        // A smooth vertex is felt from a fraction of the offset only.
+        // A smooth vertex is active with a reduced contact offset.
         let law = ContactLaw { offset: if sharp { felt.offset } else { felt.offset / 0.3 }, ..felt };
         let view = scene.state.view(0, &scene.rigid);
         let mut feature = |face: &SurfaceFace| {
@@ -697,7 +696,7 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactL
     scenes
 }
 
-/// The pad's surface may bend: gap and normal come from the closest point of its faces.
+/// Gap and normal are those at the closest point of the pad's faces, which may be curved.
 #[test]
 fn pressure_at_features_is_the_gradient_of_its_energy() {
     for sharp in [true, false] {
@@ -711,8 +710,8 @@ fn pressure_at_features_is_the_gradient_of_its_energy() {
     }
 }
 
-/// `H = k dg dg - p d2g` with the gap `g`, of which the second part says how the pad's face bends and turns, and how the feature
-/// slides over it.
+/// `H = k dg dg - p d2g` with the gap `g`; the second part accounts for curvature and rotation of the pad's face and
+/// for the sliding of the closest point.
 #[test]
 fn hessian_of_pressure_at_features_is_exact() {
     for sharp in [true, false] {
@@ -757,7 +756,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
     }
 }
 
-/// Friction at features alone: what the term with friction has more than the same term without.
+/// Checks friction at contact vertices alone: the difference between the term with friction and the same term without.
 fn check_feature_friction(friction: f64, drag: f64) -> Covered {
     let mut covered = Covered::default();
     for (scene, law, mut with, mut without) in feature_scenes(true, friction, drag) {
@@ -782,8 +781,8 @@ fn check_feature_friction(friction: f64, drag: f64) -> Covered {
     covered
 }
 
-/// Lagged as at the pad's points; the sticking point and the normal being frozen, the Hessian is exact on bent faces
-/// too.
+/// Friction is lagged as at the pad's points; since sticking point and normal are held fixed, the Hessian is exact on
+/// curved faces too.
 #[test]
 fn sticking_friction_at_features_has_its_derivatives() {
     let covered = check_feature_friction(5.0, 0.03);
@@ -796,11 +795,11 @@ fn slipping_friction_at_features_has_its_derivatives() {
     assert!(covered.slipping > 20, "{covered:?}");
 }
 
-/// A term of the object in the place of one of a body, so that it has the same checks: nodes and travel must not feel it.
+/// Adapter of an object term to a body term for the same checks; its derivatives in nodes and travel must vanish.
 #[derive(Clone)]
 struct OfObject<T> {
     term: T,
-    /// Begins a time step.
+    /// Function that begins a time step of the term.
     begin: fn(&mut T, &TimeStep),
 }
 
@@ -822,13 +821,12 @@ impl<T: ObjectTerm + Clone + 'static> BodyTerm for OfObject<T> {
     }
 }
 
-/// A hand anywhere.
+/// Returns a hand at a random pose.
 fn hand(random: &mut Random) -> HandState {
     HandState { position: random.vector(), rotation: random.rotation(), force: 0.0 }
 }
 
-/// A scene, and a term that was made at its state with the hand somewhere, in a step that ends with the hand elsewhere
-/// and the state moved on by about `drag`.
+/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `drag`.
 fn stepped<T: BodyTerm>(
     seed: u64,
     drag: f64,
@@ -870,7 +868,7 @@ fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
         let make = |scene: &Scene, _: HandState, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("viscosity", &mut term);
-        // Within the stroke, and past its end.
+        // Within the stroke and beyond its end.
         for end in [5.0, -5.0] {
             let make =
                 |scene: &Scene, _: HandState, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
@@ -880,7 +878,7 @@ fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
     }
 }
 
-/// The rotation counts from the last assembly, where the check starts.
+/// The rotation vector is relative to the last assembly, at which the check starts.
 #[test]
 fn inertia_of_a_rigid_object_has_its_derivatives() {
     for seed in 0..12 {
@@ -897,7 +895,7 @@ fn inertia_of_a_rigid_object_has_its_derivatives() {
     }
 }
 
-/// Contact of 6 points of the object with a plane of the world among them, none within reach of a change of its state.
+/// Checks contact of six object points with a plane of the world in scenes with no point near a change of state.
 fn check_ground(friction: f64, drag: f64) -> Covered {
     let mut covered = Covered::default();
     for seed in 0..400 {
@@ -912,7 +910,7 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
             let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
             let term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view.object);
             let mut term = OfObject { term, begin: GroundContact::begin };
-            // Stick here, then move on.
+            // Set the anchors here; the step then moves on.
             scene.assemble(&mut term, Assembly::WHOLE);
             term.commit(&scene.body, &view);
             term

@@ -1,4 +1,4 @@
-//! Motion in time: what an integrator with contact must get right, and what a scene without it does not pay.
+//! Dynamics: accuracy of the time integrator with and without contact, and no cost of dynamics in quasi-static scenes.
 
 use crate::keep::Keep;
 use glam::{DQuat, DVec3};
@@ -26,7 +26,7 @@ fn run_on(text: &str, threads: usize) -> (Outcome, Vec<Frame>) {
     (outcomes.remove(0), keep.0.into_inner().unwrap())
 }
 
-/// Runs a scene that must reach its end.
+/// Runs a scene and asserts that it reaches its end.
 fn run(text: &str) -> (Outcome, Vec<Frame>) {
     let (outcome, frames) = run_on(text, 1);
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}\n{text}", outcome.summary.reason);
@@ -37,13 +37,13 @@ fn moving(frame: &Frame) -> Moving {
     frame.moving.expect("a dynamic scene")
 }
 
-/// A block of 24 g alone; `more` says what happens.
+/// Returns a scene of a block of 24 g without fingers; `object` and `more` add fields to the object and the scene.
 fn alone(object: &str, more: &str) -> String {
     format!("(object: (shape: Cuboid(size: (0.02, 0.03, 0.04)), {object}), gripper: (fingers: None), {more})")
 }
 
 const GRAVITY: f64 = 9.81;
-/// Density times volume.
+/// Mass of the block of [`alone`], kg.
 const MASS: f64 = 0.024;
 
 #[test]
@@ -56,7 +56,7 @@ fn a_free_fall_is_that_of_backward_euler_and_of_first_order() {
             ),
         );
         let (outcome, frames) = run(&text);
-        // n steps of h sum up to g h2 n (n + 1) / 2.
+        // Backward Euler falls by g h2 n (n + 1) / 2 in n steps of size h.
         let expected = -0.5 * GRAVITY * t * (t + h);
         let fallen = outcome.measured.position_m[2];
         assert!((fallen - expected).abs() < 1e-10, "h = {h} s: {fallen} against {expected} m");
@@ -85,7 +85,7 @@ fn a_free_body_keeps_its_momenta_and_its_energy_within_second_order() {
 
 #[test]
 fn the_ground_carries_the_weight() {
-    // Level, and tilted by 20 degrees against gravity with friction.
+    // Level, and tilted by 20 degrees, where friction carries the tangential part.
     for gravity in ["(0, 0, -9.81)", "(3.3552177, 0, -9.2183849)"] {
         let text = alone(
             "",
@@ -142,7 +142,7 @@ fn an_impact_at_one_metre_per_second_neither_penetrates_nor_bounces_off_the_grou
     }
 }
 
-/// A ball against a coarse pad at 1 m/s.
+/// Runs the impact of a ball at 1 m/s on a coarse pad.
 fn ball_against_pad(h: f64, damping: f64) -> Outcome {
     run(&format!(
         "(object: (shape: Sphere(radius: 0.015), velocity: (-1, 0, 0)),
@@ -170,7 +170,7 @@ fn viscosity_takes_energy_out_of_an_impact() {
     assert!(speeds[0] > 1.2 * speeds[1] && speeds[1] > 1.2 * speeds[2], "{speeds:?}");
 }
 
-/// A block between coarse pads that point down.
+/// Returns a scene of a block between coarse pads with the hand pointing down.
 fn held(loading: &str, more: &str) -> String {
     format!(
         "(object: (shape: Cuboid(size: (0.03, 0.03, 0.04)), density: 2000.0),
@@ -180,7 +180,7 @@ fn held(loading: &str, more: &str) -> String {
     )
 }
 
-/// Where the object's origin is along the hand's approach, m.
+/// Returns the displacement of the object along the hand's approach axis in the last frame, m.
 fn sag(frames: &[Frame]) -> f64 {
     frames.last().unwrap().object_position.z - 0.1
 }
@@ -193,14 +193,14 @@ fn what_has_come_to_rest_is_the_quasi_static_state() {
     let (outcome, moved) = run(&dynamic);
     let (still, moved) = (sag(&still), sag(&moved));
     println!("the gel sags by {:.3} um at rest, by {:.3} um after a lift", still * 1e6, moved * 1e6);
-    // While it was lifted, up to 1.6 times the weight pulled, and the rim of the contact gave way.
+    // The lift loads the contact with up to 1.6 times the weight, so that its rim slips.
     assert!((moved / still - 1.0).abs() < 0.05, "{moved} m against {still} m");
     assert!(outcome.measured.force_balance < 1e-5, "{}", outcome.measured.force_balance);
 }
 
 #[test]
 fn a_turned_hand_turns_gravity() {
-    // Held upside down, the same object sags the other way.
+    // With the hand turned upside down, the object sags in the opposite direction of the hand frame, to 5 %.
     let motions = "[Close(force: 6.0, duration: 0.05), Lift(height: 0.05, duration: 0.1), Hold(duration: 0.1),
                     Rotate(angle_deg: 180, axis: (1, 0, 0), duration: 0.3), Hold(duration: 0.1)]";
     let text = held(&format!("Dynamic(motions: {motions}, time_step: 2e-3, frames: 13)"), "ground: Plane(),");

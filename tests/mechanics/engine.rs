@@ -1,4 +1,4 @@
-//! The engine's promises: sound schedule, nothing that nobody asked for, the same bits every time, forces that add up.
+//! Guarantees of the engine: unambiguous schedule, no unused components, bitwise reproducible results, balanced forces.
 
 use std::sync::{Arc, Mutex};
 use tactus::backend::choose;
@@ -14,7 +14,7 @@ use tactus::world::environment::Environment;
 use tactus::world::run::{Observer, Outcome, run_grasps};
 use tactus::world::schedule::Phase;
 
-/// A small squeeze of an ellipsoid; `more` adds to the scene.
+/// Coarse squeeze of an ellipsoid; `gripper` and `more` add fields to the gripper and the scene.
 fn scene(gripper: &str, more: &str) -> Scene {
     read(&format!(
         "(object: (shape: Ellipsoid(radii: (0.014, 0.02, 0.017)), density: 900.0),
@@ -38,7 +38,7 @@ fn prepare(scene: &Scene) -> Prepared {
     (Model::build(scene).unwrap(), choose(scene).unwrap(), poses)
 }
 
-/// Keeps all frames.
+/// Observer that stores all frames with the index of their grasp.
 #[derive(Default)]
 struct Keep(Mutex<Vec<(usize, Frame)>>);
 
@@ -87,7 +87,7 @@ fn no_two_systems_touch_the_same_data_in_no_order() {
             scene("", more)
         };
         let (model, stepper, poses) = prepare(&scene);
-        // Building it fails on any ambiguity; running it on any missing resource.
+        // Building fails on any ambiguity of the schedule, stepping on any missing resource.
         let mut environment = Environment::new(&model, stepper.as_ref(), poses[0].1).unwrap();
         let mut phases = Vec::new();
         while !environment.phase().is_final() {
@@ -146,7 +146,7 @@ fn every_word_that_a_scene_leaves_out_makes_it_strictly_smaller() {
     let mut fixed = scene("friction: 0.8", weight);
     fixed.object.motion = tactus::scene::ObjectMotion::Fixed;
     let silent = scene("friction: 0.8", &format!("{weight}, record: (fields: [])"));
-    // Of these four only the object's pose has unknowns: six, less one because fingers that hold a free object are geared.
+    // Only the object's pose has unknowns: six, minus one because fingers that hold a free object share one travel.
     for (left_out, scene, unknowns) in [
         ("gravity", scene("friction: 0.8", ""), 0),
         ("friction", scene("friction: 0.0", weight), 0),
@@ -201,7 +201,7 @@ fn fingers_that_meet_nothing_or_start_inside_are_refused_by_name() {
     let far = reason("", "grasps: List([(position: (0, 0.2, -0.1))])");
     assert!(far.contains("left finger meets nothing within its stroke of 40.0 mm"), "{far}");
     assert!(far.contains("the object is 180.0 mm away from the point midway between the pads"), "{far}");
-    // A rotation about the hand swings the pads away; about the centre it does not.
+    // A rotation about the hand moves the pads off the object; a rotation about the object's centre does not.
     let swung = reason("", "grasps: List([(position: (0, 0, -0.1), rotation: RpyDeg((0, 60, 0)))])");
     assert!(swung.contains("meets nothing") && swung.contains("by its `centre`"), "{swung}");
     let inside = reason("opening: 0.02", "");
@@ -248,7 +248,7 @@ fn a_press_balances_contact_against_the_reaction_of_the_mount() {
 
 #[test]
 fn an_object_that_slips_out_is_dropped_and_says_how() {
-    // A slick ellipsoid held at its end by the rims of the pads.
+    // A frictionless ellipsoid held at its end by the edges of the pads.
     let mut slick = scene("friction: 0.0", "grasps: List([(position: (0, 0, -0.125))])");
     slick.record.fields = Vec::new();
     let summary = run(&slick, 1).0.remove(0).summary;
@@ -257,7 +257,8 @@ fn an_object_that_slips_out_is_dropped_and_says_how() {
     assert!(reason.contains("squeezed out"), "{reason}");
 }
 
-/// Two pads that press with 4 N each bear 2 N of weight at friction 0.25: half a percent less is held, half a percent more slides out.
+/// Coulomb limit: two pads that press with 4 N each carry at most 2 N at friction 0.25. A weight of 1.99 N is held,
+/// 2.01 N is dropped.
 #[test]
 fn a_weight_just_beyond_friction_drops_and_one_just_below_is_held() {
     for (weight, expected) in [(1.99, Status::Reached), (2.01, Status::Dropped)] {

@@ -1,4 +1,4 @@
-//! Mechanics: laws, elements, contact, equilibrium, paths and motion in time, held against closed forms, derivatives and other codes.
+//! Mechanics: laws, elements, contact, equilibrium, load paths, dynamics; against closed forms and other codes.
 
 #[path = "../fixtures/common.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! The gel against CalculiX 2.20 and exact solutions, in the units of the reference files: mm, N, MPa.
+//! Elements and materials against CalculiX 2.20 and exact solutions, in the units of the reference files: mm, N, MPa.
 
 use crate::common::{Random, close, elements, errors, reference, reference_mesh, vectors};
 use glam::{DMat3, DQuat, DVec3};
@@ -22,7 +22,7 @@ fn neo_hookean() -> Arc<dyn Material> {
     Arc::new(NeoHookean::new(YOUNG, POISSON))
 }
 
-/// The cases with small results.
+/// Reference cases whose results are a few numbers each.
 fn cases() -> Value {
     serde_json::from_str(&reference("simple_cases.json")).expect("JSON")
 }
@@ -35,12 +35,12 @@ fn vector(v: &Value) -> DVec3 {
     DVec3::new(number(&v[0]), number(&v[1]), number(&v[2]))
 }
 
-/// A 3 x 3 matrix given by rows.
+/// Reads a 3 x 3 matrix given by rows.
 fn matrix(v: &Value) -> DMat3 {
     DMat3::from_cols(vector(&v[0]), vector(&v[1]), vector(&v[2])).transpose()
 }
 
-/// A symmetric tensor given as xx yy zz xy xz yz.
+/// Reads a symmetric tensor given as xx yy zz xy xz yz.
 fn tensor(v: &Value) -> DMat3 {
     let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| number(&v[i]));
     DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
@@ -50,7 +50,7 @@ fn largest(m: &DMat3) -> f64 {
     m.to_cols_array().iter().fold(0.0, |a: f64, v| a.max(v.abs()))
 }
 
-/// A body alone, without object or finger.
+/// Solver of a single body without object or finger.
 struct Solver {
     newton: Newton,
     state: State,
@@ -87,7 +87,7 @@ impl Solver {
     }
 }
 
-/// Cube of 3 mm of irregular tetrahedra: the eight nodes inside are moved by up to a quarter of a cell along each axis.
+/// Cube of 3 mm of irregular tetrahedra: its interior nodes are displaced by up to a quarter of a cell along each axis.
 fn irregular_patch() -> TetMesh {
     let lines = [0.0, 1.0, 2.0, 3.0];
     let mut mesh = grid::structured([&lines; 3]).expect("grid");
@@ -100,13 +100,14 @@ fn irregular_patch() -> TetMesh {
     mesh
 }
 
-/// A linear field prescribed on the boundary holds inside, and every point has the exact stress.
+/// Patch test: a linear displacement field prescribed on the boundary is reproduced inside to 1e-9 mm, and every
+/// quadrature point has the exact stress to a relative 1e-9.
 fn patch_test(law: Arc<dyn Material>, map: impl Fn(DVec3) -> DVec3, exact: DMat3) {
     let mesh = irregular_patch();
     let outer = surface::boundary_mesh(&mesh).1;
     for (order, mean_dilatation) in [(1, false), (2, false), (2, true)] {
         let (rest, elements) = elements(&mesh, order == 2);
-        // Middles of edges are prescribed where both ends are: on the boundary, and on the few edges between two of its
+        // Mid-edge nodes are prescribed if both ends are: on the boundary, and on the few interior edges between two
         // sides.
         let mut fixed: Vec<bool> = (0..rest.len()).map(|i| outer.contains(&(i as u32))).collect();
         if order == 2 {
@@ -167,12 +168,11 @@ fn patch_of_finite_strain_is_exact() {
     patch_test(neo_hookean(), |p| f * p, tensor(&case["exact_cauchy_xx_yy_zz_xy_xz_yz"]));
 }
 
-/// Single coordinates held at a value: a stiff spring whose multiplier takes over the force, so that the value is
-/// exact.
+/// Single coordinates held at prescribed values by the augmented Lagrangian method: penalty spring plus multiplier.
 #[derive(Clone)]
 struct Rollers {
     held: Vec<(usize, usize, f64)>,
-    /// Multiplier of each spring, for the test to read.
+    /// Multiplier of each constraint, shared with the test, N.
     force: Arc<Mutex<Vec<f64>>>,
 }
 
@@ -234,12 +234,12 @@ fn bar_in_uniaxial_tension_and_compression() {
         let body = Body::new(mesh.nodes.clone(), elements, fixed, neo_hookean(), true);
         let rollers = Rollers::new(held);
         let mut solver = Solver::new(body, Some(Box::new(rollers.clone())));
-        // Start from the stretched bar, so that the springs need not drag it through an inversion.
+        // The stretched bar as initial guess keeps the springs from inverting elements.
         solver.state.x[0].iter_mut().for_each(|x| x.z *= stretch);
         solver.solve();
         let multipliers = rollers.force.lock().unwrap();
         let top = rollers.held.iter().zip(&*multipliers).filter(|(h, _)| h.1 == 2 && h.2 > 0.0);
-        // The spring's multiplier is minus the force that pulls.
+        // The multiplier is the negative of the pulling force.
         let force = -top.map(|(_, f)| f).sum::<f64>();
         close(&format!("force at stretch {stretch}, N"), force, number(&row["force_exact"]), 1e-6);
         let corner = mesh.nodes.iter().position(|p| *p == DVec3::new(2.0, 2.0, 6.0)).expect("corner");
@@ -262,7 +262,7 @@ fn end_traction(mesh: &TetMesh, quadratic: bool, nodes: usize, traction: DVec3) 
         let [a, b, c] = corners;
         let third = traction * (0.5 * (b - a).cross(c - a).length() / 3.0);
         for k in 0..3 {
-            // Consistent loads: corners of a linear face, middles of the edges of a quadratic one.
+            // Consistent nodal loads: at the corners of a linear face, at the mid-edge nodes of a quadratic one.
             let (i, j) = (face.nodes[k], face.nodes[(k + 1) % 3]);
             let middle = || mesh.nodes.len() + edges.binary_search(&[i.min(j), i.max(j)]).expect("an edge of the mesh");
             load[if quadratic { middle() } else { i as usize }] += third;
@@ -271,7 +271,7 @@ fn end_traction(mesh: &TetMesh, quadratic: bool, nodes: usize, traction: DVec3) 
     load
 }
 
-/// The cantilever with loads of 4e-4 N/mm2 times each of `levels`, one after the other; displacements at each.
+/// Loads the cantilever with 4e-4 N/mm2 times each of `levels` in sequence; returns the displacements at each, mm.
 fn cantilever(mesh: &TetMesh, quadratic: bool, mean: bool, law: Arc<dyn Material>, levels: &[f64]) -> Vec<Vec<DVec3>> {
     let (rest, elements) = elements(mesh, quadratic);
     let unit = end_traction(mesh, quadratic, rest.len(), DVec3::X * 4e-4);
@@ -313,7 +313,7 @@ fn cantilever_of_linear_tetrahedra_bends_as_in_calculix() {
     assert!(off < 1e-6, "Hooke's law: tip off by {off:.1e}");
 }
 
-/// The reference mesh is the same beam, its cells split another way: the tip agrees to the error of the mesh, 1.5 %.
+/// The reference mesh splits the cells of the same beam differently: tips agree to the mesh error, 1.5 %.
 #[test]
 fn cantilever_of_quadratic_tetrahedra_bends_as_in_calculix() {
     let cases = cases();
@@ -349,7 +349,7 @@ fn tied_punch_on_a_pad_pushes_and_shears_as_in_calculix() {
     for (k, ((ux, uz), file)) in steps.into_iter().zip(files).enumerate() {
         let goal = DVec3::new(ux, 0.0, uz);
         let from = now;
-        // At most 0.25 mm, a fifth of an element, at a time.
+        // Increments of at most 0.25 mm, a fifth of an element.
         let parts = ((goal - from).length() / 0.25).ceil();
         for part in 1..=parts as u32 {
             now = from + (goal - from) * (f64::from(part) / parts);

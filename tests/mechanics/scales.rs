@@ -1,6 +1,7 @@
-//! Similarity: a scene at a tenth and at ten times its size, with forces by the square of that, has the same answer.
+//! Similarity: a scene with lengths scaled by `s` and forces by `s^2` has the same dimensionless solution.
 //!
-//! Nothing in quasi-static mechanics without weight has a length of its own; what a numerical method adds goes by the scales of the scene.
+//! Quasi-static mechanics without weight has no intrinsic length; dimensional numerical parameters scale with the
+//! scene.
 
 use crate::keep::Keep;
 use glam::DVec3;
@@ -11,7 +12,7 @@ use tactus::record::{Frame, Status};
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
 
-/// Objects of every kind of contact sample, in units of the scale: `L(x)` is a length.
+/// Name and shape of objects that cover every kind of contact sample; `L(x)` is a length that is scaled.
 const OBJECTS: [(&str, &str); 6] = [
     ("smooth", "Lemon(length: L(0.06), diameter: L(0.044))"),
     ("sharp edges", "Cuboid(size: (L(0.03), L(0.03), L(0.05)))"),
@@ -21,7 +22,7 @@ const OBJECTS: [(&str, &str); 6] = [
     ("a corner of its profile", "Strawberry(length: L(0.04), diameter: L(0.034))"),
 ];
 
-/// The text with every `L(x)` times `scale` and every `F(x)` times its square.
+/// Replaces each length `L(x)` in the text by `x * scale` and each force `F(x)` by `x * scale^2`.
 fn scaled(text: &str, scale: f64) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -36,7 +37,7 @@ fn scaled(text: &str, scale: f64) -> String {
     out + rest
 }
 
-/// Last frame of a squeeze of `object` at `scale`.
+/// Returns the last frame of a squeeze of `object` at `scale`.
 fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> Frame {
     let text = format!(
         "Scene(object: (shape: {object}, motion: {motion}),
@@ -57,7 +58,8 @@ fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> 
     frames.last()
 }
 
-/// Largest difference of the displacements of `a` and of `b`, which is `scale` times as large, over the largest; the same of the forces.
+/// Largest differences of nodal displacements and of contact forces between `a` and `b` (scaled back by `scale`), each
+/// relative to the largest value in `a`.
 fn apart(a: &Frame, b: &Frame, scale: f64) -> [f64; 2] {
     let over = |pick: fn(&tactus::record::PadFrame) -> &Vec<DVec3>, unit: f64| {
         let pairs: Vec<_> = a.pads.iter().zip(&b.pads).flat_map(|(a, b)| pick(a).iter().zip(pick(b))).collect();
@@ -67,7 +69,8 @@ fn apart(a: &Frame, b: &Frame, scale: f64) -> [f64; 2] {
     [over(|pad| &pad.displacement, scale), over(|pad| &pad.contact_force, scale * scale)]
 }
 
-/// Misses of the `bar` for all objects, held and free, with `friction` and the finite elements of each, at `scales`.
+/// Runs all objects with each pair of (object motion, stepper) in `solvers` at all `scales` and lists the cases in
+/// which displacements or forces deviate from those at scale 1 by more than `bar`.
 fn misses(friction: f64, solvers: &[(&str, &str)], scales: [f64; 2], bar: f64) -> Vec<String> {
     let mut misses = Vec::new();
     for (name, object) in OBJECTS {
@@ -85,16 +88,16 @@ fn misses(friction: f64, solvers: &[(&str, &str)], scales: [f64; 2], bar: f64) -
     misses
 }
 
-/// Displacements over the scale and forces over its square are the same to the last bit, whatever touches the pads: a power of two
-/// changes no rounding, so the solver goes the same way.
+/// Scaled displacements and forces agree to the last bit for every kind of contact sample: scaling by a power of two
+/// does not change rounding, so the solver takes the same path.
 #[test]
 fn a_scene_an_eighth_or_eight_times_as_large_has_the_same_answer() {
     let misses = misses(0.5, &[("Fixed", "Fem()"), ("Free", "Fem(solver: Condensed(error: 0.01))")], [0.125, 8.0], 0.0);
     assert!(misses.is_empty(), "{misses:#?}");
 }
 
-/// The same to 1e-6 of the largest at a tenth and at ten times the size, where rounding differs and increments with it: without friction,
-/// which makes the answer depend on these, and solved to the last digits.
+/// At a tenth and ten times the size, scaled displacements and forces agree to 1e-6 of the largest. Rounding and hence
+/// the increments differ there, so the test is frictionless (path-independent) and uses a tight tolerance.
 #[test]
 fn a_scene_a_tenth_or_ten_times_as_large_has_the_same_answer_without_friction() {
     let sharp = "Fem(tolerance: (force: 1e-9))";

@@ -1,5 +1,5 @@
-//! A ball on a thick wide block: Hertz's law in normal direction, corrected for the finite thickness of the block, and the
-//! first stiffness in shear by Mindlin; Coulomb's law when it slides.
+//! Rigid sphere on a thick, wide block: Hertz's law in the normal direction, corrected for the finite thickness of the
+//! block, Mindlin's initial tangential stiffness, and Coulomb's law in full sliding.
 
 use crate::common::{OFFSET, Press, Setup, elements};
 use glam::DVec3;
@@ -15,7 +15,7 @@ const YOUNG: f64 = 0.3e6;
 const RADIUS: f64 = 20e-3;
 const THICKNESS: f64 = 20e-3;
 
-/// A block of 80 x 80 x 20 mm, bonded below, with cells of 0.8 mm under the ball.
+/// Block of 80 x 80 x 20 mm, bonded at its base, with cells of 0.8 mm under the sphere.
 fn block(poisson: f64) -> Arc<Body> {
     let half = [0.8, 1.6, 2.4, 4.5, 11.0, 40.0].map(|v| v * 1e-3);
     let across: Vec<f64> = half.iter().rev().map(|v| -v).chain([0.0]).chain(half).collect();
@@ -31,8 +31,8 @@ fn ball_on(body: Arc<Body>, radius: f64, friction: f64) -> Press {
     Press::new(Setup { body, object: Arc::new(Sphere { radius }), start: DVec3::Z * radius, friction })
 }
 
-/// Force of a rigid ball on a bonded layer over that on a half-space (Dimitriadis, Horkay, Maresca, Kachar & Chadwick 2002,
-/// Biophysical Journal 82, equation 11), `chi = sqrt(R d) / h`.
+/// Ratio of the force of a rigid sphere on a bonded layer to that on a half-space (Dimitriadis, Horkay, Maresca, Kachar
+/// & Chadwick 2002, Biophysical Journal 82, equation 11), `chi = sqrt(R d) / h`.
 fn thickness_factor(chi: f64, nu: f64) -> f64 {
     let a = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
     let b = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1.0 - nu);
@@ -46,7 +46,7 @@ fn thickness_factor(chi: f64, nu: f64) -> f64 {
 fn a_ball_on_a_block_follows_hertz() {
     let poisson = 0.45;
     let mut press = ball_on(block(poisson), RADIUS, 0.0);
-    // The surfaces meet at the offset of the law: the ball is larger by it.
+    // Contact begins at the offset of the contact law, which enlarges the sphere.
     let radius = RADIUS + OFFSET;
     let mut curve = Vec::new();
     for depth in [0.1e-3, 0.16e-3, 0.26e-3] {
@@ -66,7 +66,7 @@ fn a_ball_on_a_block_follows_hertz() {
     }
 }
 
-/// Moves the object sideways by `step` (m) and finds equilibrium; normal and tangential force on the pad, N.
+/// Moves the object sideways by `step` (m) and solves; returns the normal and tangential force on the pad, N.
 fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     let mut start = press.path.state.clone();
     start.position.x += step;
@@ -78,8 +78,8 @@ fn shear(press: &mut Press, step: f64) -> (f64, f64) {
     (-force.z, force.x)
 }
 
-/// Mindlin 1949: a sticking contact is softer in shear than in normal direction by 2 (1 - nu) / (2 - nu), the normal
-/// stiffness being that of the same contact area.
+/// Mindlin 1949: the tangential stiffness of a sticking contact is 2 (1 - nu) / (2 - nu) times the normal stiffness at
+/// the same contact area, to 10 %.
 #[test]
 fn a_sticking_contact_is_as_stiff_in_shear_as_mindlin_says() {
     let (poisson, depth) = (0.45, 0.2e-3);
@@ -96,11 +96,13 @@ fn a_sticking_contact_is_as_stiff_in_shear_as_mindlin_says() {
         "{stiffness:.1} N/m, Mindlin on a half-space {mindlin:.1} N/m, {:+.2} %",
         100.0 * (stiffness / mindlin - 1.0)
     );
-    // The bonded base adds some percent at a tenth of the thickness: half of what it adds in normal direction.
+    // At a contact radius of a tenth of the thickness the bonded base adds some percent, half as much as to the normal
+    // stiffness.
     assert!((stiffness / mindlin - 1.0).abs() < 0.1, "{stiffness} N/m against {mindlin} N/m");
 }
 
-/// A ball pressed 1.0 mm into a pad, then moved sideways: first it sticks, at last it slides with mu N.
+/// A sphere pressed 1.0 mm into a pad, then moved sideways, first sticks and finally slides with a friction force of mu
+/// times the normal force, to 1 % of the pressure integral and 10 % of the resultant.
 #[test]
 fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     let friction = 0.3;
@@ -116,9 +118,9 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
         let area = |i: usize| press.surface.area[i];
         let points = || edges.iter().filter(|e| e.state.pressure > 0.0).map(|e| (e.state, area(e.number)));
         let pressure: f64 = points().map(|(e, a)| e.pressure * a).sum();
-        // Of the sizes: what points carry along the leaning sides of the dent does not add up to one direction.
+        // Sum of magnitudes: tractions on the inclined sides of the indentation point in different directions.
         let traction: f64 = points().map(|(e, a)| e.traction.length() * a).sum();
-        // The limit lags behind the pressure while Newton swings: what points carry beyond it must not add up.
+        // The friction limit may be lagged where Newton iterations oscillate; bound the total excess traction.
         let excess: f64 = points().map(|(e, a)| (e.traction.length() - friction * e.pressure).max(0.0) * a).sum();
         let sticking = points().filter(|(e, _)| !e.slips).count();
         println!(
@@ -139,7 +141,7 @@ fn a_ball_dragged_sideways_slides_with_mu_times_the_normal_force() {
     for w in curve[..6].windows(3) {
         assert!(w[2] - w[1] <= w[1] - w[0], "until it slides, the contact only softens: {curve:?}");
     }
-    // Beyond mu the whole force goes because the pressure leans: the gel bulges in front of the ball.
+    // The ratio of resultants exceeds mu because the gel bulges in front of the sphere, which inclines the pressure.
     let last = curve[curve.len() - 1];
     assert!((last / friction - 1.0).abs() < 0.01, "slides with {last} times the pressure, mu is {friction}");
 }

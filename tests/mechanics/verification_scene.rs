@@ -1,5 +1,5 @@
-//! Whole scenes: the answer does not depend on how the object's frame is turned, nor on which finger is called left; the
-//! force grows with the travel.
+//! Complete scenes: invariance under rotation of the object's frame and exchange of the fingers, force monotonic in
+//! travel, the limit of small weight, and loss of an object that rotates out of the grasp.
 
 use crate::common::Random;
 use crate::keep::Keep;
@@ -15,14 +15,14 @@ use tactus::record::{Frame, Status};
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
 
-/// Frames of the one grasp of a scene, which must reach its force.
+/// Runs the single grasp of a scene, which must reach its force, and returns its frames.
 fn frames(path: &Path, text: &str) -> Vec<Frame> {
     let (status, reason, frames) = outcome(path, text);
     assert_eq!(status, Status::Reached, "{reason}");
     frames
 }
 
-/// How the one grasp of a scene ends, why, and its frames.
+/// Runs the single grasp of a scene and returns its status, the reason, and its frames.
 fn outcome(path: &Path, text: &str) -> (Status, String, Vec<Frame>) {
     std::fs::write(path, text).unwrap();
     let scene = load(path).unwrap_or_else(|e| panic!("{e}")).scene;
@@ -36,7 +36,7 @@ fn outcome(path: &Path, text: &str) -> (Status, String, Vec<Frame>) {
 
 const GRIPPER: &str = "gripper: (pads: GelSightMini(spacing: 4e-3)), record: (fields: [])";
 
-/// A lumpy object, its file turned by `turn`, and a hand that is turned with it.
+/// Returns the frames of a squeeze of an irregular object, its mesh file and the hand (at `hand`) rotated by `turn`.
 fn turned(folder: &Path, turn: DQuat, hand: DQuat) -> Vec<Frame> {
     let kind = ShapeKind::Potato { semi_axes: DVec3::new(0.02, 0.024, 0.028), roughness: 0.05, seed: 3 };
     let surface = kind.build(32).unwrap().surface;
@@ -53,7 +53,7 @@ fn turned(folder: &Path, turn: DQuat, hand: DQuat) -> Vec<Frame> {
     frames(&folder.join("scene.ron"), &text)
 }
 
-/// Largest difference of node displacements over the largest displacement; `swap` compares left with right.
+/// Returns the largest difference of nodal displacements over the largest displacement; `swap` compares left and right.
 fn difference(a: &[Frame], b: &[Frame], swap: bool) -> f64 {
     let half_turn = DQuat::from_rotation_z(std::f64::consts::PI);
     let (mut wrong, mut largest) = (0.0_f64, 0.0_f64);
@@ -98,7 +98,7 @@ fn force_grows_with_travel() {
         for pair in curve.windows(2) {
             let (more, stronger) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
             assert!(more > 0.0, "{shape}: the fingers close on as the force rises: {curve:?}");
-            // The gel stiffens: contact only grows, and a layer is stiffer the thinner it is.
+            // The gel stiffens (to 2 %): the contact area grows, and a thinner layer is stiffer.
             assert!(stronger / more > 0.98 * slope, "{shape}: stiffness falls from {slope} to {} N/m", stronger / more);
             slope = stronger / more;
         }
@@ -116,12 +116,12 @@ fn next_to_no_weight_changes_next_to_nothing() {
         let text = format!("Scene(object: {object}, {GRIPPER}, {loads})");
         frames(&path, &text)
     };
-    // The gel weighs what it weighs: of two objects of different weight one is as good as weightless.
+    // The weight of the gel is the same in all cases; the lightest object is practically weightless.
     let (weightless, light, heavy) = (hanging(1e-6), hanging(1e-2), hanging(900.0));
     let error = difference(&weightless, &light, false);
     println!("a weight of 2 uN: displacements differ by {error:.1e} of the largest");
     assert!(error < 1e-4, "a weight of 2 uN changes displacements by {error:e} of the largest");
-    // 0.18 N hang in the gel once they are let go, and go down.
+    // An object of 0.18 N sinks after its release by 1 to 100 um.
     let sunk = |frames: &[Frame]| (frames[2].object_position - weightless[2].object_position).z;
     assert!(heavy[0].object_fixed && !heavy[2].object_fixed, "let go at half of the last force");
     println!("a weight of 0.18 N sinks by {:.1e} m", sunk(&heavy));
@@ -132,7 +132,7 @@ fn next_to_no_weight_changes_next_to_nothing() {
 fn an_object_that_swings_out_of_the_hand_is_not_held() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
-    // A bar held 25 mm beside its centre, which the pads have to carry by their torsion alone.
+    // A bar held 25 mm from its centre, whose moment only torsion of the pads can balance.
     let held = |density: f64, solver: &str| {
         let object = format!("(shape: Cuboid(size: (0.02, 0.02, 0.1), edge_radius: 0.005), density: {density})");
         let grasps = "grasps: List([(position: (0, 0.1, 0.025), rotation: (0.70710678, 0.70710678, 0, 0))])";

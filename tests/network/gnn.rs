@@ -1,4 +1,4 @@
-//! The network as a stepper: the conformance of its answers, on a tiny data set and network.
+//! The network as a stepper: invariances and consistency of its predictions, on a tiny data set and network.
 
 use crate::dataset_tiny::TINY;
 use crate::gnn_made::{Made, ball, made, set};
@@ -20,7 +20,7 @@ use tactus::world::components::*;
 use tactus::world::environment::Environment;
 use tactus::world::schedule::Phase;
 
-/// All frames of a grasp; `spoil` changes the world before every step under load.
+/// Returns all frames of a grasp; `spoil` changes the world before every step under load.
 fn frames(made: &Made, model: &Arc<Model>, pose: Pose, spoil: impl Fn(&mut Environment)) -> Vec<Frame> {
     let gnn = NetworkStepper::open(&made.model).unwrap();
     let mut environment = Environment::new(model, &gnn, pose).unwrap();
@@ -80,10 +80,10 @@ fn turning_object_and_hand_together_changes_nothing_in_the_hand() {
     let set = set(made);
     let text = &set.objects[1].scene;
     let model = Model::build(&from_ron(text).unwrap()).unwrap();
-    // A little only: the tiny network has seen no box that stands on an edge.
+    // A small rotation only: the tiny network was not trained on boxes standing on an edge.
     let turn = DQuat::from_scaled_axis(DVec3::new(0.002, 0.003, 0.0));
     let pose = Pose { position: turn * DVec3::new(0.0, 0.001, -0.1), rotation: turn };
-    // A half turn about the approach swaps the fingers: what the left one felt, the right one feels.
+    // A rotation by 180 degrees about the approach axis exchanges the fingers.
     let half = DQuat::from_rotation_z(std::f64::consts::PI);
     let swapped = Pose { position: pose.position, rotation: pose.rotation * half };
     let (a, b) = (frames(made, &model, pose, |_| {}), frames(made, &model, swapped, |_| {}));
@@ -170,13 +170,13 @@ fn a_bench_sets_the_network_against_finite_elements() {
     let network = report["points"].as_array().unwrap().iter().find(|p| p["backend"] == "gnn").unwrap();
     assert!(network["displacement_error"].as_f64().is_some_and(|e| e > 0.0), "{network}");
     assert!(network["unknowns"].is_null() && network["profile"]["decode"].is_f64(), "{network}");
-    // Six epochs make a bad network, so some setting reaches its error.
+    // After six epochs the network is inaccurate, so that some setting of the finite elements reaches its error.
     let whole = &network["speedup_at_equal_error"];
     let (ratio, label) = (whole["ratio"].as_f64(), whole["against"].as_str());
     assert!(ratio.is_some_and(|r| r > 0.0) && label.is_some_and(|l| l.contains("quadratic") || l.contains("linear")));
     let cheapest = network["speedup_over_cheapest"]["ratio"].as_f64();
     assert!(cheapest.is_some() && cheapest <= ratio, "whole pads are among all finite elements: {network}");
-    // Condensed pads may claim one, too.
+    // Condensed pads may have a speed-up as well.
     assert!(
         report["speedup_at_equal_error"].as_f64() >= ratio,
         "the headline is the best of those that claim a speed-up"

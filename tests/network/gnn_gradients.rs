@@ -1,4 +1,4 @@
-//! Every layer of the networks: gradients against central differences, relative 1e-6 in f64 and 1e-3 in f32.
+//! Gradients of every layer of the networks against central differences, to a relative 1e-6 in f64 and 1e-3 in f32.
 
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ fn constants<T: Real>(random: &mut Random, n: usize) -> Vec<T> {
     numbers(random, n).into_iter().map(T::of).collect()
 }
 
-/// Directional derivatives along random directions, one per parameter, relative to the gradient's length.
+/// Compares directional derivatives along a random direction per parameter, relative to the norm of the gradient.
 fn compare<T: Real>(
     name: &str,
     (step, tolerance): (f32, f64),
@@ -32,7 +32,7 @@ fn compare<T: Real>(
     let mut random = Random::new(7);
     let mut parameters: Vec<Matrix<T>> =
         shapes.iter().map(|(r, c)| Matrix::parameter(*r, *c, constants(&mut random, r * c))).collect();
-    // A random target makes every output count.
+    // With a random target every output contributes to the loss.
     let out = f(&Tape::silent(), &parameters);
     let target = numbers(&mut random, out.rows * out.cols);
     let weight: Vec<f32> = (0..out.rows).map(|_| 0.5 + random.unit() as f32).collect();
@@ -49,7 +49,7 @@ fn compare<T: Real>(
             loss(&Tape::silent(), &parameters).value()[0].f64()
         };
         let h = step;
-        // Richardson: f32 asks for a large step, a large step for the higher order.
+        // Richardson extrapolation: f32 requires a large step, and a large step a higher order.
         let (near, far) = ((at(h) - at(-h)) / f64::from(2.0 * h), (at(2.0 * h) - at(-2.0 * h)) / f64::from(4.0 * h));
         *parameters[k].value_mut() = start;
         let difference = (4.0 * near - far) / 3.0;
@@ -63,7 +63,7 @@ fn compare<T: Real>(
     }
 }
 
-/// The same kernels in f64 to 1e-6 and in f32 to 1e-3.
+/// Checks the same kernels in f64 to 1e-6 and in f32 to 1e-3.
 macro_rules! check {
     ($name:expr, $shapes:expr, $f:expr) => {
         compare::<f64>($name, (1e-4, 1e-6), $shapes, $f);
@@ -119,7 +119,7 @@ fn balances() {
 
 #[test]
 fn linear_responses() {
-    // Three nodes, the second one bonded; more loads than go side by side.
+    // Three nodes, the second one bonded; more loads than are processed in one block.
     let mut random = Random::new(5);
     let (slot, forces) = (vec![Some(0), None, Some(1)], 6);
     let parts = numbers(&mut random, 4 * PARTS).into();
@@ -151,7 +151,7 @@ fn shares_sum_to_one() {
 
 #[test]
 fn a_matrix_used_twice_collects_both_gradients() {
-    // d/dx |x x^T-like reuse|: a branch must not lose what another branch adds.
+    // The gradients of all branches that use the matrix must be added.
     check!("reuse", &[(3, 3)], |t, p| {
         let a = linear(t, &p[0], &p[0], None, Activation::Gated);
         sum(t, &[&a, &p[0]], Activation::None)

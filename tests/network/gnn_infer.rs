@@ -1,4 +1,4 @@
-//! The network without a tape against the same network on a tape, which is the reference.
+//! Inference without a tape against the same network on the tape of automatic differentiation, the reference.
 
 use crate::gnn_made::{ball, made};
 use crate::keep::Keep;
@@ -15,13 +15,13 @@ use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
 
-/// Relative difference of two lists of numbers, in their L2 norms.
+/// Returns the relative difference of two lists of numbers in the L2 norm.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
     norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied()).max(1e-300)
 }
 
-/// Every kind of answer as a plain list.
+/// Returns every predicted quantity as a flat list.
 fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
     let vectors =
         |of: fn(&PadState) -> &Vec<glam::DVec3>| pads.iter().flat_map(of).flat_map(|v| v.to_array()).collect();
@@ -36,7 +36,7 @@ fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
 
 const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// The grasp of the ball as `predictor` sees it.
+/// Encodes the grasp of the ball with `predictor`.
 fn seen(predictor: &Predictor) -> Seen {
     let (model, pose) = ball(made());
     let touch = GeometricContact::find(&model, pose).unwrap();
@@ -83,7 +83,7 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Nodes come to touch one after the other, and none of them with a jump.
+/// As nodes come into contact with increasing force, predictions remain continuous: second differences are below 1e-3.
 #[test]
 fn the_answer_follows_the_force_without_jumps() {
     let predictor = Predictor::open(&made().model).unwrap();
@@ -101,8 +101,8 @@ fn the_answer_follows_the_force_without_jumps() {
     }
 }
 
-/// All frames of a ramp against the same frames decoded one by one: a fifth of the error that the network states, and 2 %. The motion of the
-/// object goes with the displacement.
+/// All frames of an interpolated ramp agree with frames decoded one by one to a fifth of the network's predicted error
+/// (for the object's motion: that of the displacement) and to 2 %.
 #[test]
 fn a_ramp_of_few_decoded_loads_has_all_others() {
     let predictor = Predictor::open(&made().sure).unwrap();
@@ -123,14 +123,15 @@ fn a_ramp_of_few_decoded_loads_has_all_others() {
             };
             assert!(apart(a, b) < (stated / 5.0).min(0.02), "{name} at load {k}: {:e}, stated {stated:e}", apart(a, b));
         }
-        // What is interpolated still carries the load.
+        // Interpolated contact forces still sum to the load.
         let pressed = |state: &GraspState| state.pads.iter().flat_map(|p| &p.contact).map(|f| f.z).sum::<f64>();
         assert!((pressed(&own) / pressed(decoded) - 1.0).abs() < 1e-5, "{} N at load {k}", pressed(&own));
     }
     assert!(ramp.at(loads.len()).is_none());
 }
 
-/// Interpolation leaves the network as far from finite elements as it is: the mean error of fifty frames changes by less than 0.0005.
+/// Interpolation does not change the error of the network against finite elements: the mean over fifty frames changes
+/// by less than 0.0005.
 #[test]
 fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     let text = "(object: (shape: Lemon(length: 0.06, diameter: 0.044)), gripper: (pads: GelSightMini(spacing: 2.6e-3)),
@@ -163,13 +164,13 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     assert!((few - all).abs() < 5e-4, "{few} off finite elements by a ramp, {all} by all loads");
 }
 
-/// Many grasps at once are the same bits as one after the other, on any number of threads and in any company.
+/// A batch of grasps gives the same bits as single grasps, for any number of threads and composition of the batch.
 #[test]
 fn many_grasps_are_those_of_each_alone() {
     let predictor = Predictor::open(&made().model).unwrap();
     let (model, pose) = ball(made());
     let moved = |by: DVec3| Pose { position: pose.position + by, ..pose };
-    // More than are decoded together.
+    // More grasps than are decoded together.
     let mut poses: Vec<Pose> = (0..19).map(|k| moved(DVec3::X * 1e-4 * f64::from(k))).collect();
     poses.splice(1..1, [moved(DVec3::Y), pose]);
     let states = |threads: usize, poses: &[Pose]| {

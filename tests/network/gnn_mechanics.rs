@@ -1,4 +1,4 @@
-//! The mechanics that the network starts from: the equilibrium in equilibrium, the linear response, projected contact, balance.
+//! Mechanics underlying the network: rigid equilibrium, linear pad response, projected contact, force balance.
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn model() -> Arc<Model> {
     Model::build(&from_ron(SCENE).unwrap()).unwrap()
 }
 
-/// A grasp beside the middle of the object, turned: nothing about it is symmetric.
+/// Returns the features of a rotated, off-centre grasp without any symmetry.
 fn features(model: &Arc<Model>) -> GraspFeatures {
     let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
     let pose = Pose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
@@ -53,14 +53,15 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
             assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
         }
         assert!(sum.length() < 1e-2 * force, "the object feels {sum} E t2 in all, closed by {force}");
-        // The arms are those of the step before.
+        // The lever arms are those of the previous step.
         assert!(torque.length() < 5e-2 * force, "the object is turned by {torque} E t3, closed by {force}");
         assert!(rest.rotation.to_scaled_axis().length() > 0.0, "an oblique grasp turns the object");
         assert!(rest.travel[0] == rest.travel[1], "fingers around a free object are geared");
     }
 }
 
-/// What holds the object takes what one finger presses more than the other; together they press with all of their force.
+/// A held object does not move: its support carries the difference of the two finger forces, whose sum is the applied
+/// force to 1 % of one finger's.
 #[test]
 fn an_object_that_is_held_stays_where_it_is() {
     let model = model();
@@ -76,8 +77,8 @@ fn an_object_that_is_held_stays_where_it_is() {
     assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
 }
 
-/// A block that is held askew by 12 degrees and let go under load turns back: by 9.05 degrees with condensed finite elements (`tactus run
-/// --backend condensed` with this scene), linearly to within one of them.
+/// A block held askew by 12 degrees and released under load rotates back: by 9.05 degrees with condensed finite
+/// elements (`tactus run --backend condensed` with this scene), and to within 1 degree of that with linear pads.
 #[test]
 fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     let scene = r#"Scene(
@@ -99,8 +100,8 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     assert!((turned(15.0) - 9.05).abs() < 1.0, "let go: {} degrees", turned(15.0));
 }
 
-/// Capsules that are let go askew tilt between the pads, linearly to within a third, but hardly spin about the closing direction. Angles of condensed finite elements, degrees:
-/// `tactus run --backend condensed` with this scene.
+/// Capsules released askew tilt between the pads but hardly spin about the closing direction: rotations agree to a
+/// third, spins to 0.5 degrees, with condensed finite elements (`tactus run --backend condensed` with this scene).
 #[test]
 fn friction_within_a_small_contact_resists_spinning() {
     let scene = r#"Scene(
@@ -122,8 +123,8 @@ fn friction_within_a_small_contact_resists_spinning() {
     }
 }
 
-/// Whatever a network makes of the pressure: friction holds the object and its weight, and the pressure stays to the bit. Below half of the
-/// force, 2 N per finger, the heavy object is still held, and nothing is asked of friction.
+/// For any predicted pressure, friction balances the object and its weight to 1e-4 of the force, and the pressure keeps
+/// its bits. Below half of the force, 2 N per finger, the heavy object is still held and friction is unchanged.
 #[test]
 fn friction_takes_up_what_pressure_leaves_over() {
     let heavy =
@@ -160,7 +161,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
             let [weight, torque] = features.equilibrium.hangs(&features.equilibrium.rest(&load), &load);
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
-            // A contact resists being twisted only so far.
+            // Torsional friction about the closing axis is limited.
             let off = (moment - torque).reject_from(DVec3::X).length();
             assert!(off < 1e-4 * force, "the object is turned by {off} E t3, closed by {force}");
         }
@@ -182,26 +183,27 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
     for (a, b) in [(0, 1), (0, basis.count() / 2), (basis.count() / 3, basis.count() - 1)] {
         for (k, c) in [(0, 0), (2, 2), (0, 2), (1, 2)] {
             let (there, back) = (basis.row(a, k)[3 * b + c], basis.row(b, c)[3 * a + k]);
-            // Betti (1872).
+            // Reciprocity theorem of Betti (1872).
             assert_eq!(there.to_bits(), back.to_bits(), "basis {a} and {b}: {there} and {back} t per E t2");
         }
     }
 }
 
-/// Under a face that presses evenly the pad gives as its linear response says: nothing is softer between basis functions that press alike. One
-/// alone gives more than that.
+/// Under uniform pressure the work of the basis functions equals that of the linear response to 1e-4; a single basis
+/// function is more compliant by over 10 %.
 #[test]
 fn basis_functions_that_press_evenly_give_as_the_response_does() {
     for element in ["Quadratic", "Linear"] {
         let graph = PadGraph::new(&pad(element).fingers[0], Layout::Face { depths: 3 }).unwrap();
         let basis = &graph.basis;
-        // Part of the face that a function stands for, from the half of each of its nodes.
+        // Force of each function under uniform pressure, from half of the area of its first node and its weight there.
         let even: Vec<DVec3> =
             basis.parts.iter().map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1)).collect();
         let mut alone = vec![DVec3::ZERO; basis.count()];
         let middle = basis.count() / 2;
         alone[middle] = even[middle];
-        // Work of the forces over that on the response itself; one of the two is symmetric, and the work does not tell.
+        // Work of the forces in the basis relative to that in the response itself, minus one; the work does not depend
+        // on the skew part.
         let softer = |forces: &[DVec3]| {
             let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
             let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
@@ -215,7 +217,7 @@ fn basis_functions_that_press_evenly_give_as_the_response_does() {
 
 #[test]
 fn the_linear_response_is_in_equilibrium_with_its_force() {
-    // That of 4-node tetrahedra is of their own mesh.
+    // For 4-node tetrahedra the response is computed on the same mesh.
     let model = pad("Linear");
     let finger = &model.fingers[0];
     let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
@@ -246,7 +248,7 @@ fn the_linear_response_is_in_equilibrium_with_its_force() {
     }
 }
 
-/// Pads of these elements.
+/// Returns a model with box pads of these elements.
 fn pad(element: &str) -> Arc<Model> {
     let scene = from_ron(&format!(
         "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 4.0), stepper: Fem(element: {element}),
@@ -255,7 +257,7 @@ fn pad(element: &str) -> Arc<Model> {
     Model::build(&scene.unwrap()).unwrap()
 }
 
-/// 4-node tetrahedra lock; the refined mesh of 10-node ones gives way more under a force on next to a point.
+/// 4-node tetrahedra lock: the refined mesh of 10-node tetrahedra is 1 to 8 times as compliant under a nodal force.
 #[test]
 fn the_response_of_the_refined_pad_is_softer_under_its_force() {
     let [stiff, soft] = ["Linear", "Quadratic"].map(|element| {
@@ -269,7 +271,8 @@ fn the_response_of_the_refined_pad_is_softer_under_its_force() {
     }
 }
 
-/// A ball pressed into the middle of a pad and dragged along it by a force of `slip` over Coulomb's limit, on average.
+/// Returns the contact of a ball pressed into the centre of a pad and dragged sideways, with a tangential force of
+/// `slip` times Coulomb's limit.
 fn dragged(graph: &PadGraph, slip: f64) -> Vec<Touching> {
     let t = graph.thickness;
     let touching = |(x, node, area): (DVec3, u32, f64)| {
@@ -296,7 +299,7 @@ fn projected_forces_push_only_and_keep_their_sum() {
     let after: DVec3 = forces.iter().sum();
     assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");
     assert!(forces.iter().all(|f| f.z <= 0.0), "a pad never pulls");
-    // Along the normal, touching nodes follow the object better than at the start.
+    // Along the normal, nodes in contact conform to the object better than at the start.
     let lacks = |forces: &[DVec3]| {
         let u = compliance.on_face(&graph.face, &[forces.to_vec()]).remove(0);
         let touching: Vec<f64> =
@@ -308,7 +311,8 @@ fn projected_forces_push_only_and_keep_their_sum() {
     assert!(lacks(&forces) < 0.5 * lacks(&start), "{} of {} thicknesses", lacks(&forces), lacks(&start));
 }
 
-/// The iteration has a limit, also where all of the contact slips and object normals lean: whoever goes on finds the same forces.
+/// The iteration converges, also in full sliding and with inclined object normals: repetitions change the forces by
+/// less than 0.3 %.
 #[test]
 fn projected_forces_converge_where_the_contact_slips() {
     let model = model();

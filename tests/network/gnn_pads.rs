@@ -1,4 +1,4 @@
-//! One network for pads of several kinds: it learns from them together, serves what lies between, and refuses what lies beyond.
+//! One network for several pad designs: it is trained on all, admits designs within their range, and refuses others.
 
 use crate::gnn_made::SPEC;
 use std::path::Path;

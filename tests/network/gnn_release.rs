@@ -1,4 +1,4 @@
-//! Frames before a free object is let go: the network has the object held where it is, as finite elements have it.
+//! Frames before the release of a free object: the network holds the object fixed, as finite elements do.
 
 use crate::keep::Keep;
 use glam::DVec3;
@@ -10,8 +10,8 @@ use tactus::record::{Frame, Status};
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
 
-/// Frames of a heavy ball (`density` in kg/m3) in the hand under gravity along `gravity`, and its pose at first contact. Its weight is on the
-/// pads from half of the force on, which is the second of the three frames.
+/// Returns the frames of a squeeze of a heavy ball (`density` in kg/m3) under `gravity` (m/s2) and the ball's position
+/// at first contact. The pads carry its weight from half of the force on, the second of the three frames.
 fn frames(density: f64, gravity: &str, stepper: &str) -> (Vec<Frame>, DVec3) {
     let scene = from_ron(&format!(
         "(object: (shape: Sphere(radius: 0.02), density: {density}), gravity: {gravity}, loading: Squeeze(force: 10, frames: 3),
@@ -27,15 +27,15 @@ fn frames(density: f64, gravity: &str, stepper: &str) -> (Vec<Frame>, DVec3) {
     (keep.0.into_inner().unwrap(), GeometricContact::find(&model, poses[0].1).unwrap().object.position)
 }
 
-/// Relative difference of two fields, in their L2 norms.
+/// Returns the relative difference of a field in the L2 norm.
 fn apart(a: &Frame, b: &Frame, field: fn(&tactus::record::PadFrame) -> &Vec<DVec3>) -> f64 {
     let norm = |v: &mut dyn Iterator<Item = DVec3>| v.map(|v| v.length_squared()).sum::<f64>().sqrt();
     let pairs = || a.pads.iter().flat_map(field).zip(b.pads.iter().flat_map(field));
     norm(&mut pairs().map(|(a, b)| *a - *b)) / norm(&mut pairs().map(|(_, b)| *b))
 }
 
-/// Displacement within 15 % of finite elements, contact forces that carry nothing to 2 % of the squeeze (the weight is half of it and more), an
-/// object that stays to the micrometre.
+/// Before the release the displacement is within 15 % of finite elements, the contact forces sum to zero within 2 % of
+/// the applied force (the weight is half of it and more), and the object moves by less than 1 um.
 #[test]
 fn a_network_has_the_object_held_until_it_is_let_go() {
     let (truth, _) = frames(15000.0, "(9.81, 0, 0)", "Fem(solver: Condensed())");

@@ -1,4 +1,4 @@
-//! Derivatives of what the face network sees, by force, friction and pose of the hand.
+//! Derivatives of the input features of the face network with respect to force, friction and pose of the hand.
 
 use glam::{DQuat, DVec3};
 use tactus::geometry::Pose;
@@ -12,7 +12,7 @@ const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: Gel
 /// Distance of the ball from the origin of the hand, m.
 const REACH: f64 = 0.1;
 
-/// Looks at a ball between the fingers, which close along x; its inputs and their derivative along `change`.
+/// Returns the inputs for a ball between the fingers, which close along x, and their derivative along `change`.
 fn ball(change: GripChange) -> [Vec<Array<f32>>; 2] {
     let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
     let (force, friction) = inputs.usual();
@@ -24,7 +24,7 @@ fn named<'a>(arrays: &'a [Array<f32>], name: &str) -> &'a [f32] {
     &arrays.iter().find(|array| array.name == name).unwrap().numbers
 }
 
-/// Root of the sum of squares of `a + by * b`.
+/// Returns the L2 norm of `a + by * b`.
 fn norm(a: &[f32], by: f64, b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (f64::from(*a) + by * f64::from(*b)).powi(2)).sum::<f64>().sqrt()
 }
@@ -35,7 +35,7 @@ fn the_pressing_force_grows_with_the_force_alone() {
     let pressing = named(&inputs, "pressing_n");
     assert_eq!(pressing.len(), 4, "two loads, two pads");
     let off = norm(named(&slopes, "pressing_n"), -1.0, pressing) / norm(pressing, 0.0, pressing);
-    // What f32 rounds, over the step.
+    // Rounding error of f32 over the finite-difference step.
     assert!(off < 4e-4, "{off} of the force");
     assert!(named(&slopes, "node").iter().all(|slope| *slope == 0.0), "first contact knows no force");
     let [_, slopes] = ball(GripChange::Friction);
@@ -51,7 +51,7 @@ fn fingers_center_a_free_ball_and_a_turn_of_the_hand_carries_the_pads_along() {
         let whole = norm(across, 0.0, across);
         let left = norm(closing, 0.0, closing) / whole;
         assert!(left < 1e-2, "{name}: a move along the closing direction does {left} of one across");
-        // About x, the pads go to -y.
+        // A rotation about x moves the pads along -y.
         let off = norm(turned, REACH, across) / (REACH * whole);
         assert!(off < 2e-2, "{name}: {off} between a turn about a ball's distance and a move");
     }

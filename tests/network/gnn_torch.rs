@@ -1,6 +1,7 @@
-//! The same weights run by PyTorch (`tests/network/torch_check.py`): a second implementation agrees to 1e-5, relative.
+//! A PyTorch implementation (`tests/network/torch_check.py`) with the same weights agrees to a relative 1e-5.
 //!
-//! Needs a `python3` with torch, safetensors and numpy, or one named by TACTUS_PYTHON; else it says that it skips.
+//! Requires a `python3`, or the interpreter named by TACTUS_PYTHON, with torch, safetensors and numpy; otherwise
+//! reported as skipped.
 
 use crate::gnn_made::{PAPER, SPEC, made};
 use crate::skipped::skipped;

@@ -39,7 +39,7 @@ impl Case {
         pass(tape, network, parameters, &self.norms, &self.spec.training, &self.sample, (true, false))
     }
 
-    /// The network away from its start values: there, biases of zero put some ReLUs right on their kink.
+    /// Returns the network with perturbed initial parameters; zero biases would put some ReLUs exactly at their kink.
     fn network<T: Real>(&self) -> (Box<dyn Network<T>>, Parameters<T>) {
         let (network, mut parameters) = build::<T>(&self.spec.network, Some(5));
         let mut random = Random::new(12);
@@ -49,7 +49,7 @@ impl Case {
         (network, parameters)
     }
 
-    /// The gradient with respect to all parameters, one after the other.
+    /// Returns the gradient with respect to all parameters, concatenated.
     fn gradient<T: Real>(&self) -> Vec<f64> {
         let (network, parameters) = self.network::<T>();
         let tape = Tape::recording();
@@ -57,13 +57,13 @@ impl Case {
         let gradient = tape.backward(&value, &parameters.matrices);
         for (name, g) in parameters.names().iter().zip(&gradient) {
             assert!(g.iter().all(|v| v.f64().is_finite()), "{name}: the gradient is not finite");
-            // What never changes in this data set (one material, no gravity) cannot be learnt from it.
+            // `start.pad` depends only on features that are constant in this data set (one material, no gravity).
             assert!(g.iter().any(|v| v.f64() != 0.0) || name == "start.pad", "{name}: the gradient is all zero");
         }
         gradient.iter().flatten().map(|v| v.f64()).collect()
     }
 
-    /// The loss when the parameters have gone `step` along `direction`.
+    /// Returns the loss with the parameters moved by `step` along `direction`.
     fn along(&self, direction: &[f64], step: f64) -> f64 {
         let (network, mut parameters) = self.network::<f64>();
         let mut direction = direction.iter();
@@ -82,7 +82,7 @@ fn the_gradient_of_a_whole_network_is_that_of_its_loss() {
         let mut random = Random::new(11);
         let direction: Vec<f64> = gradient.iter().map(|_| 2.0 * random.unit() - 1.0).collect();
         let along: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
-        // ReLU has kinks: only a small step stays clear of them.
+        // A small step to avoid the kinks of ReLU.
         let h = 1e-7;
         let difference = (case.along(&direction, h) - case.along(&direction, -h)) / (2.0 * h);
         let error = (difference - along).abs() / along.abs();
@@ -103,7 +103,7 @@ fn training_and_inference_see_the_same_bits() {
     let stored = model_of(file).unwrap();
     let graph = Arc::new(PadGraph::new(&stored.fingers[0], layout).unwrap());
     let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
-    // As a run does it: the scene from text, the pose from the file, the world's own first contact.
+    // Inputs as in a run: the scene from text, the pose from the file, first contact computed again.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
     let pose = Pose::from_row(&file.grasp(number).unwrap().grasp_pose);
     let graph = Arc::new(PadGraph::new(&model.fingers[0], layout).unwrap());
@@ -154,7 +154,7 @@ fn killed_and_resumed_training_ends_with_the_same_bits_on_any_number_of_threads(
     let made = made();
     let out = made.tiny.out("again");
     let mut child = command(made, &out, &["--threads", "2"]).stdout(std::process::Stdio::null()).spawn().unwrap();
-    // Killed as soon as there is something to go on with; if it was faster, the comparison is still one of threads.
+    // Killed as soon as there is a checkpoint; if training ends first, the test still compares numbers of threads.
     while child.try_wait().unwrap().is_none() && !out.join("checkpoint.bin").exists() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }

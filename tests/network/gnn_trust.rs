@@ -1,4 +1,4 @@
-//! What a network says of its own error, and what becomes of grasps that it is not sure of.
+//! Predicted error of the network, and fallback to finite elements for grasps with too large an error.
 
 use crate::gnn_made::{ball, made};
 use crate::keep::Keep;
@@ -11,7 +11,7 @@ use tactus::scene::leaf::{Count, Positive};
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};
 use tactus::world::run::run_grasps;
 
-/// The scene of the data set's ball, whose grasps the network computes if it may be off by `at_most`.
+/// Returns the scene of the data set's ball with the network as stepper, accepted up to an error of `at_most`.
 fn scene(at_most: Option<f64>, change: (&str, &str)) -> Scene {
     let text = crate::gnn_made::set(made()).objects[0].scene.clone();
     assert!(text.contains(change.0), "the scene has {}", change.0);
@@ -21,7 +21,7 @@ fn scene(at_most: Option<f64>, change: (&str, &str)) -> Scene {
     scene
 }
 
-/// Outside the range of the training no error is known, however near or far: not at a friction of zero, either.
+/// Outside the range of the training data the error is unknown, at any distance from it and also at zero friction.
 #[test]
 fn outside_the_range_of_the_training_the_error_is_unknown() {
     let predictor = Predictor::open(&made().sure).unwrap();
@@ -39,7 +39,8 @@ fn outside_the_range_of_the_training_the_error_is_unknown() {
     }
 }
 
-/// Forces per finger of 0.5 and 1 N were trained: of 0.3, 0.6, 0.9 and 1.2 N the second and the third have an answer.
+/// After training on 0.5 and 1 N per finger, of frames at 0.3, 0.6, 0.9 and 1.2 N only the second and third are
+/// answered.
 #[test]
 fn only_the_frames_outside_the_range_are_refused() {
     let four = ("force: 2.0", "force: 2.4");
@@ -65,7 +66,7 @@ fn only_the_frames_outside_the_range_are_refused() {
     assert_eq!(many.ramp.len(), 2);
     let forces: Vec<f64> = predictor.answered(&model, false).iter().map(|(_, load)| load.force).collect();
     assert!(forces.iter().zip([0.6, 0.9]).all(|(a, b)| (a - b).abs() < 1e-12), "{forces:?} N");
-    // All of them outside: the scene is refused.
+    // With all frames outside the range the scene is refused.
     let beyond = Model::build(&scene(None, ("force: 2.0", "force: 9.0"))).unwrap();
     let refused = predictor.many(&beyond, &[ball(made()).1], false).unwrap_err().to_string();
     assert!(refused.contains("outside the trained"), "{refused}");
@@ -107,7 +108,7 @@ fn grasps_that_the_network_is_not_sure_of_go_to_finite_elements() {
     assert!(forces.handed_over.unwrap().contains("frame 1 (1.2000 N per finger) lies outside"));
 }
 
-/// A push past what friction holds ends the grasp where finite elements end it, to a tenth of the load that friction holds.
+/// A push beyond the friction limit drops the object at the load of finite elements, to a tenth of Coulomb's limit.
 #[test]
 fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
     let frames = 15;
@@ -121,7 +122,7 @@ fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
         let poses: Vec<_> = tactus::model::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
         let end = run_grasps(&model, stepper.as_ref(), &poses, 1, &()).unwrap().remove(0).summary;
         assert_eq!(end.status, Status::Dropped, "{:?}", end.reason);
-        // Over 0.5 x 10 N.
+        // The push relative to Coulomb's limit, 0.5 x 10 N.
         1.5 * (end.frames - 2) as f64 / f64::from(frames)
     };
     let (truth, predicted) = (held("Fem(solver: Condensed())"), held("Gnn(model: \"universe\")"));

@@ -1,4 +1,4 @@
-//! The network: gradients, training, inference, and the mechanics of pads that give linearly.
+//! Neural network: gradients, training, inference, and the mechanics of pads with linear compliance.
 
 #[path = "../fixtures/dataset_tiny.rs"]
 mod dataset_tiny;

@@ -1,6 +1,6 @@
-"""The networks once more, in PyTorch: reads a model's folder and what `tactus eval --dump FILE.npz` wrote, and compares.
+"""PyTorch implementation of the networks: compares a model with the output of `tactus eval --dump FILE.npz`.
 
-The face network is the one of `python/tactus/face.py`. The paper's is written here, for no other use.
+The face network is that of `python/tactus/face.py`; the paper's network is implemented here, for this check only.
 
 usage: torch_check.py MODEL_DIR FILE.npz      needs torch, safetensors, numpy; exits with 1 beyond 1e-5 relative
 """
@@ -21,7 +21,7 @@ torch.sparse.check_sparse_tensor_invariants.enable()
 
 
 def face():
-    # Without the compiled half of the package.
+    # Loads the file alone, without the compiled part of the package.
     spec = spec_from_file_location("face", Path(__file__).parents[2] / "python" / "tactus" / "face.py")
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -87,7 +87,7 @@ worst = 0.0
 for name, mine in (face if "edge" in d else paper)().items():
     theirs = d[f"out_{name}"]
     size = theirs.norm()
-    if name in ("travel", "motion"):  # corrections of what mechanics gives, 1 being usual in training: a good grasp needs almost none
+    if name in ("travel", "motion"):  # corrections to the mechanics, about 1 in training but nearly 0 for some grasps
         size = size.clamp(min=theirs.numel() ** 0.5)
     error = ((mine - theirs).norm() / size).item()
     print(f"{name}: {error:.1e} relative")

@@ -601,13 +601,8 @@ fn within(limit: Duration, what: &str, work: impl FnOnce() + Send + 'static) {
     worker.join().unwrap();
 }
 
-<<<<<<< HEAD
-/// Grasps of an object at the origin: the pads around it, the hand from all sides.
-fn around() -> Vec<Pose> {
-=======
 /// Grasps centred on an object at the origin, from 20 directions.
-fn around() -> Vec<GraspPose> {
->>>>>>> main
+fn around() -> Vec<Pose> {
     (0..20)
         .map(|i| {
             let a = f64::from(i);

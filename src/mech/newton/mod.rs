@@ -272,7 +272,7 @@ impl Newton {
 
     /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if
     /// that fails too.
-    pub(crate) fn factorize(&mut self, state: &State, how: Assembly) -> bool {
+    pub fn factorize(&mut self, state: &State, how: Assembly) -> bool {
         let clock = Instant::now();
         let good = factorize_all(&mut self.blocks);
         self.profile.factorization += clock.elapsed().as_secs_f64();
