@@ -1,8 +1,8 @@
 //! Reads a data set grasp by grasp: `cargo run --release --example data_set out/small`, after
 //! `cargo run --release -- dataset scenes/paper_small.ron -o out/small`.
 
+use tactus::base::error::{Error, Result};
 use tactus::dataset::DataSet;
-use tactus::error::{Error, Result};
 
 fn main() -> Result<()> {
     let dir = std::env::args().nth(1).ok_or_else(|| Error::Start("the folder of a data set is missing".into()))?;

@@ -1,7 +1,7 @@
 //! Steps a batch of environments with a fixed force, and saves one of them: `cargo run --release --example environments`.
 
+use tactus::base::error::Error;
 use tactus::env::{BatchConfig, BatchEnv};
-use tactus::error::Error;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let config = BatchConfig { num_envs: 4, ..BatchConfig::default() };

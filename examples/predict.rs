@@ -1,13 +1,13 @@
 //! Asks the network that ships what a pad feels, at forces of your own: `cargo run --release --example predict`.
 
 use std::path::Path;
-use tactus::error::{Error, Result};
-use tactus::grasp::poses_of;
-use tactus::linear::GraspLoad;
-use tactus::linear::first_contact::GeometricContact;
+use tactus::base::error::{Error, Result};
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::net::SHIPPED;
 use tactus::net::infer::predict::Predictor;
+use tactus::net::linear::GraspLoad;
+use tactus::net::linear::first_contact::GeometricContact;
 use tactus::scene::load;
 
 fn main() -> Result<()> {

@@ -2,12 +2,12 @@
 
 use std::sync::Mutex;
 use tactus::backend::choose;
-use tactus::error::Result;
-use tactus::grasp::poses_of;
+use tactus::base::error::Result;
 use tactus::model::Model;
+use tactus::model::grasp::poses_of;
 use tactus::record::Frame;
-use tactus::run::{Observer, run_grasps};
 use tactus::scene::from_ron;
+use tactus::world::run::{Observer, run_grasps};
 
 const SCENE: &str = r#"Scene(
     about: "A ball of 8 mm radius pressed into a flat pad, without friction.",

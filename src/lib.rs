@@ -11,9 +11,9 @@
 //! Start at [`world::components`] (data of a world), [`world::schedule`] (stages of a step) and [`model`] (data that no
 //! grasp changes). `docs/architecture.md` describes the folders, from the lowest layer up.
 
+pub use ::bench;
 pub use backend;
 pub use base;
-pub use ::bench as bench;
 pub use cli;
 pub use dataset;
 pub use env;

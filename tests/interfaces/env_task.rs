@@ -3,7 +3,7 @@
 
 use crate::env_made::{batch, changed, config, fem};
 use tactus::env::StepInfo;
-use tactus::env::reward::RewardTerm;
+use tactus::env::reward::{RewardTerm, term};
 use tactus::scene::Reward;
 use tactus::scene::load;
 use tactus::scene::reward::{EconomyReward, HoldReward, SlipReward};
@@ -37,8 +37,8 @@ fn rewards_pay_what_they_say() {
     assert_eq!(SlipReward::default().pay(&info), -2.0, "per mm");
     assert_eq!(EconomyReward::default().pay(&info), -0.5);
     let stress: Reward = tactus::scene::dialect::options().from_str("Stress(limit: 2e4)").unwrap();
-    assert!((stress.term().pay(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
-    assert!(stress.term().needs_stress() && !hold.needs_stress());
+    assert!((term(&stress).pay(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
+    assert!(term(&stress).needs_stress() && !hold.needs_stress());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::common::{Random, elements};
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 use tactus::backend::fem::condensed::CondensedEnergy;
+use tactus::geometry::Pose;
 use tactus::geometry::mesh::TetMesh;
 use tactus::geometry::shape::cuboid::Cuboid;
 use tactus::geometry::shape::ellipsoid::Ellipsoid;
@@ -25,7 +26,6 @@ use tactus::mech::potential::state::{BodyView, Departure, MAX_RIGID, NewtonStep,
 use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy, ObjectTerm, Stencil};
 use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
-use tactus::scene::motion::HandState;
 
 /// All material laws; the tests of laws and elements run for each of them.
 fn laws() -> Vec<Arc<dyn Material>> {
@@ -822,23 +822,18 @@ impl<T: ObjectTerm + Clone + 'static> BodyTerm for OfObject<T> {
 }
 
 /// Returns a hand at a random pose.
-fn hand(random: &mut Random) -> HandState {
-    HandState { position: random.vector(), rotation: random.rotation(), force: 0.0 }
+fn hand(random: &mut Random) -> Pose {
+    Pose { position: random.vector(), rotation: random.rotation() }
 }
 
 /// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `drag`.
-fn stepped<T: BodyTerm>(
-    seed: u64,
-    drag: f64,
-    term: impl Fn(&Scene, HandState, &mut Random) -> T,
-) -> (Scene, T, TimeStep) {
+fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Pose, &mut Random) -> T) -> (Scene, T, TimeStep) {
     let mut random = Random(seed);
     let mut scene = Scene::new(seed % 2 == 1, &mut random);
     let start = hand(&mut random);
     let mut term = term(&scene, start, &mut random);
     let turn = DQuat::from_scaled_axis(random.vector() * drag);
-    let moved =
-        HandState { position: start.position + random.vector() * drag, rotation: start.rotation * turn, force: 0.0 };
+    let moved = Pose { position: start.position + random.vector() * drag, rotation: start.rotation * turn };
     let step = TimeStep { size: 0.7, hand: moved };
     term.depart(&scene.departure(Some(step)));
     scene.shake(drag, &mut random);
@@ -848,7 +843,7 @@ fn stepped<T: BodyTerm>(
 #[test]
 fn a_dead_force_has_its_derivatives() {
     for seed in 0..6 {
-        let make = |scene: &Scene, _: HandState, random: &mut Random| {
+        let make = |scene: &Scene, _: Pose, random: &mut Random| {
             let term = DeadForce::new(random.vector(), random.vector(), scene.state.position);
             OfObject { term, begin: |_, _| {} }
         };
@@ -860,18 +855,17 @@ fn a_dead_force_has_its_derivatives() {
 #[test]
 fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
     for seed in 0..6 {
-        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
+        let make = |scene: &Scene, hand: Pose, random: &mut Random| {
             PadInertia::new(&scene.body, 0.4, random.vector(), hand, &scene.state.view(0, &scene.rigid))
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("inertia of pads", &mut term);
-        let make = |scene: &Scene, _: HandState, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
+        let make = |scene: &Scene, _: Pose, _: &mut Random| Viscosity::new(&scene.body, 0.3, &scene.state.x[0]);
         let (scene, mut term, _) = stepped(seed, 0.2, make);
         scene.check("viscosity", &mut term);
         // Within the stroke and beyond its end.
         for end in [5.0, -5.0] {
-            let make =
-                |scene: &Scene, _: HandState, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
+            let make = |scene: &Scene, _: Pose, _: &mut Random| Drive::new(1e-5, 2.0, end, 1e-5, scene.state.travel[0]);
             let (scene, mut term, _) = stepped(seed, 0.2, make);
             scene.check("drive", &mut term);
         }
@@ -882,7 +876,7 @@ fn inertia_of_pads_viscosity_and_drive_have_their_derivatives() {
 #[test]
 fn inertia_of_a_rigid_object_has_its_derivatives() {
     for seed in 0..12 {
-        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
+        let make = |scene: &Scene, hand: Pose, random: &mut Random| {
             let mut mass = MassProperties::of_ellipsoid(DVec3::new(0.9, 0.7, 0.4));
             mass.center = random.vector();
             let moving = (random.vector(), random.vector());
@@ -902,7 +896,7 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
         let law = contact_law(0.4, friction);
         let mut scatter = Random(9000 + seed);
         let vertices: Arc<[DVec3]> = (0..6).map(|_| scatter.vector() * 0.5).collect();
-        let make = |scene: &Scene, hand: HandState, random: &mut Random| {
+        let make = |scene: &Scene, hand: Pose, random: &mut Random| {
             let view = scene.state.view(0, &scene.rigid);
             let normal = random.vector().normalize();
             let lowest =
