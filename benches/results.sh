@@ -15,7 +15,7 @@ readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze obj
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)
-mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/grasp src/model scenes 'tests/network/*.ron')
+mechanics=$(git log -1 --format=%h -- src/mech src/backend/fem src/geometry src/model scenes 'tests/network/*.ron')
 made="Commit $commit, $(date +%F), ${processor:-processor unknown}, $(getconf _NPROCESSORS_ONLN) cores."
 python=${PYTHON:-python3}
 tactus() { ./target/release/tactus "$@"; }

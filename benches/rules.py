@@ -19,7 +19,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 FOLDERS = ["src/mech/newton", "src/mech/path", "src/mech/contact", "src/backend/fem"]
-SCALES = "src/scales.rs"
+SCALES = "src/base/scales.rs"
 # Scales used by the solver; the others determine the samples of the object.
 OF_SOLVER = """NO_FRICTION DISPLACEMENT_TOLERANCE SHARP_MOTION LARGEST_MOTION PSEUDO_TIME_BEGINS PSEUDO_TIME_REACH GONE DROPPED SAFE_MOTION FIRST_DEPTH
 PATCH_MARGIN SMALL_PATCH_MARGIN FEATURE_MOVES MIDDLE_CUT LOOK_AHEAD POINTS_LISTED FACE_KEPT DISTANCES_STALE FEATURES_LISTED DEEPEST""".split()
@@ -90,6 +90,7 @@ def rewrite(root):
         text = path.read_text()
         own = {name: f"{room(path)}.{name}" for name, *_ in CONSTANT.findall(text)}
         imported = set(re.findall(r"[A-Z][A-Z_0-9]+", "".join(re.findall(r"^use [^;]*;", text, re.M))))
+        crate = "crate" if path == root / SCALES else "base"
         body, *tests = text.split("#[cfg(test)]")
         lines = []
         for line in body.splitlines(True):
@@ -97,10 +98,10 @@ def rewrite(root):
                 for name in owners:
                     rule = own.get(name) or (owners[name][0] if name in imported else None)
                     if rule in owners[name]:
-                        line = re.sub(rf"(?<![\w:.`\[{{]){name}\b", f'crate::rules::of("{rule}", {name})', line)
+                        line = re.sub(rf"(?<![\w:.`\[{{]){name}\b", f'{crate}::rules::of("{rule}", {name})', line)
             lines.append(line)
         path.write_text("#[cfg(test)]".join(["".join(lines), *tests]))
-    lib = root / "src/lib.rs"
+    lib = root / "src/base/lib.rs"
     lib.write_text(lib.read_text() + "\n#[doc(hidden)]\npub mod rules {" + LOOKUP + "}\n")
 
 
