@@ -15,8 +15,8 @@ use tactus::net::features::GraspFeatures;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::ramp::Ramp;
 use tactus::net::infer::{Decoding, FaceEngine};
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::{GraspLoad, loads_of};
+use tactus::net::linear_response::first_contact::GeometricContact;
+use tactus::net::linear_response::{GraspLoad, loads_of};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
 

@@ -6,8 +6,8 @@ use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::net::SHIPPED;
 use tactus::net::infer::predict::Predictor;
-use tactus::net::linear::GraspLoad;
-use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear_response::GraspLoad;
+use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::scene::load;
 
 fn main() -> Result<()> {

@@ -3,7 +3,7 @@
 use super::fem::stepper::FemStepper;
 use super::network::NetworkStepper;
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use model::Model;
 use scene::{Condensed, Fem, Solver};
@@ -92,12 +92,12 @@ impl Stepper for GuardedNetwork {
         self.chosen(world).register(schedule, world, model);
     }
 
-    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+    fn save_state(&self, world: &World, history: &mut StateWriter) {
         history.write(&world.contains_resource::<HandedOver>());
-        self.chosen(world).write_history(world, history);
+        self.chosen(world).save_state(world, history);
     }
 
-    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let handed_over: bool = history.read()?;
         if handed_over != world.contains_resource::<HandedOver>() {
             let [saved, own] =
@@ -106,6 +106,6 @@ impl Stepper for GuardedNetwork {
                 "{saved} computed the saved grasp; here {own} would: it is of another scene, model or version"
             )));
         }
-        self.chosen(world).read_history(world, history)
+        self.chosen(world).restore_state(world, history)
     }
 }

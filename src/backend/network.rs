@@ -1,7 +1,7 @@
 //! Network backend, with the phases and components of the finite element backend.
 
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use model::{Model, Needs};
@@ -10,9 +10,9 @@ use net::infer::hold::{hold, slip};
 use net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use net::infer::ramp::Ramp;
 use net::infer::touch::object_at;
-use net::linear::GraspLoad;
-use net::linear::first_contact::GeometricContact;
-use net::linear::pad_graph::PadGraph;
+use net::linear_response::GraspLoad;
+use net::linear_response::first_contact::GeometricContact;
+use net::linear_response::pad_graph::PadGraph;
 use rayon::prelude::*;
 use record::ErrorBound;
 use std::path::{Path, PathBuf};
@@ -126,14 +126,14 @@ impl Stepper for NetworkStepper {
         register(schedule, &model.needs);
     }
 
-    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+    fn save_state(&self, world: &World, history: &mut StateWriter) {
         let prediction = world.get_resource::<Prediction>();
         let contact = prediction.and_then(|prediction| prediction.grasp.as_ref()).map(|(contact, _)| contact);
         history.write(&contact);
         history.write(&prediction.is_some_and(|prediction| prediction.ahead.is_some()));
     }
 
-    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;

@@ -3,11 +3,11 @@
 
 pub mod error;
 pub mod files;
-pub mod history;
 pub mod interrupt;
 pub mod machine;
 pub mod number;
 pub mod random;
+pub mod saved_state;
 pub mod scales;
 pub mod stats;
 pub mod table;

@@ -13,7 +13,7 @@ use base::stats::median;
 use geometry::Pose;
 use model::Model;
 use model::grasp::poses_of;
-use record::distance::{Distance, Fields, Points, Probe};
+use record::error_norm::{Distance, Fields, Points, Probe};
 use record::{Frame, Status};
 use scene::Scene;
 use std::collections::BTreeMap;

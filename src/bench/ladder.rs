@@ -15,7 +15,7 @@ use super::sweep::{Configuration, Sweep};
 use base::error::Result;
 use base::stats::median;
 use net::eval::table::FROM_LOAD;
-use record::distance::{Distance, Fields, Points};
+use record::error_norm::{Distance, Fields, Points};
 use scene::leaf::Positive;
 use scene::{Condensed, Fem, Solver};
 use serde::{Deserialize, Serialize};

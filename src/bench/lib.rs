@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Scene -> sweep.rs (configurations), ladder.rs (reference and its error) -> contest.rs (round robin: time; error
-//!          density.rs (coarser and finer pads)                               against the reference, record::distance)
+//!          density.rs (coarser and finer pads)                               against the reference, record::error_norm)
 //!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
 //! Scene -> ladder.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
 //! Scene -> sizes.rs (cost against size of the pad)

@@ -4,7 +4,7 @@ use super::contest::{ContestEntry, Rules};
 use super::front::{Rival, time_at};
 use super::ladder::MeshLadder;
 use base::stats::Spread;
-use record::distance::Distance;
+use record::error_norm::Distance;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

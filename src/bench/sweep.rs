@@ -3,7 +3,7 @@
 use super::density::{coarser, describe, nodes};
 use base::error::{Error, Result};
 use model::{Model, accuracy};
-use net::linear::pad_graph::mesh_hash;
+use net::linear_response::pad_graph::mesh_hash;
 use net::network::card::Trained;
 use scene::leaf::Positive;
 use scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};

@@ -4,7 +4,7 @@ use super::report::QuantityName;
 use glam::DVec3;
 use model::Model;
 use model::part::FingerModel;
-use record::distance::{Points, Probe};
+use record::error_norm::{Points, Probe};
 use record::{Frame, PadFrame};
 use std::collections::BTreeMap;
 

@@ -17,7 +17,7 @@ use model::grasp::{aim_notice, grasps_of, write_grasps_h5};
 use model::gripper::Hand;
 use model::gripper::hand::HandPart;
 use model::{Model, Unknowns};
-use net::linear::first_contact::GeometricContact;
+use net::linear_response::first_contact::GeometricContact;
 use rayon::prelude::*;
 use scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
 use serde_json::{Value, json};

@@ -17,7 +17,7 @@ use net::infer::arrays::each_array;
 use net::infer::hold::slip;
 use net::infer::many::PredictedGrasp;
 use net::infer::predict::{GraspState, Predictor};
-use net::linear::GraspLoad;
+use net::linear_response::GraspLoad;
 use rayon::prelude::*;
 use record::ErrorBound;
 use record::arrays::{io_error, put};

@@ -2,7 +2,7 @@
 
 use base::error::Result;
 use model::Model;
-use model::observe::ArraySpec;
+use model::sensors::ArraySpec;
 use record::names;
 
 /// Version of the layout; a reader rejects other versions.

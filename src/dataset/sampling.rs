@@ -7,7 +7,7 @@
 use geometry::face_lookup::FaceLookup;
 use glam::DVec3;
 use model::Model;
-use record::distance::fields::Stencils;
+use record::error_norm::fields::Stencils;
 use record::{Frame, PadFrame, PadTopology};
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use geometry::Pose;
 use glam::{DQuat, DVec3};
-use model::observe::ArraySpec;
+use model::sensors::ArraySpec;
 use scene::Task;
 use scene::task::Control;
 

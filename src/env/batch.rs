@@ -12,7 +12,7 @@ use super::view::{EnvArray, Outputs, StepError, StepView};
 use base::error::{Error, Result};
 use base::interrupt;
 use base::number::counted;
-use model::observe::ArraySpec;
+use model::sensors::ArraySpec;
 use rayon::prelude::*;
 use record::render::Pixmap;
 use scene::{NamedScene, load_set};

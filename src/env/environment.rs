@@ -9,11 +9,11 @@ use super::shared::EnvShared;
 use super::slip;
 use super::snapshot::Snapshot;
 use base::error::{self, Error};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use model::observe::Now;
+use model::sensors::Now;
 use record::Frame;
 use record::render::Pixmap;
 use serde::{Deserialize, Serialize};
@@ -81,9 +81,9 @@ impl Env {
     /// # Errors
     /// Fails if the state cannot be serialised.
     pub fn save(&self, shared: &EnvShared) -> error::Result<Snapshot> {
-        let mut history = HistoryWriter::default();
+        let mut history = StateWriter::default();
         history.write(&(self.ended, &self.output, self.run.is_some()));
-        self.run.iter().for_each(|run| run.write_history(shared, &mut history));
+        self.run.iter().for_each(|run| run.save_state(shared, &mut history));
         Ok(Snapshot::new(&shared.identity, self.key, history.finish()?))
     }
 
@@ -108,9 +108,9 @@ impl Env {
     /// # Errors
     /// Fails if the state cannot be read; the environment is then unchanged.
     pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) -> error::Result<()> {
-        let mut history = HistoryReader(&snapshot.state);
+        let mut history = StateReader(&snapshot.state);
         let (ended, output, running) = history.read()?;
-        let run = if running { Some(Run::read_history(shared, &mut history)?) } else { None };
+        let run = if running { Some(Run::restore_state(shared, &mut history)?) } else { None };
         let before = std::mem::replace(self, Self { key: snapshot.key, output, ended, run });
         before.run.into_iter().for_each(|run| shared.retire(run.environment));
         Ok(())
@@ -193,18 +193,18 @@ impl Run {
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
     }
 
-    fn write_history(&self, shared: &EnvShared, history: &mut HistoryWriter) {
+    fn save_state(&self, shared: &EnvShared, history: &mut StateWriter) {
         history.write(&(&self.draw, &self.loads, &self.frame));
         history.write(&(self.force, self.twist, self.step, self.slipped));
         history.write(&self.environment.pose());
-        self.environment.write_history(shared.stepper.as_ref(), history);
+        self.environment.save_state(shared.stepper.as_ref(), history);
     }
 
-    fn read_history(shared: &EnvShared, history: &mut HistoryReader) -> error::Result<Self> {
+    fn restore_state(shared: &EnvShared, history: &mut StateReader) -> error::Result<Self> {
         let (draw, loads, frame): (Draw, EpisodeLoads, Frame) = history.read()?;
         let (force, twist, step, slipped) = history.read()?;
         let mut environment = shared.environment(&shared.variant(&draw).model, history.read()?)?;
-        environment.read_history(shared.stepper.as_ref(), history)?;
+        environment.restore_state(shared.stepper.as_ref(), history)?;
         Ok(Self { environment, frame, draw, loads, force, twist, step, slipped })
     }
 

@@ -8,7 +8,7 @@
 //!                    weight and pushes -> load           (load.rs)
 //!                    one step of the world's schedule    (world::environment)
 //!                    frame -> slip, margin -> reward     (slip.rs, reward/)
-//!                          -> arrays                     (model::observe)
+//!                          -> arrays                     (model::sensors)
 //! ```
 //!
 //! An interruption ([`base::interrupt`]) discards the episodes of the whole batch, so that no environment is a step
@@ -39,7 +39,7 @@ pub mod view;
 
 pub use batch::BatchEnv;
 pub use config::{Autoreset, BatchConfig};
-pub use model::observe::ArraySpec;
+pub use model::sensors::ArraySpec;
 pub use reward::StepInfo;
 pub use snapshot::Snapshot;
 pub use view::{StepError, StepView};

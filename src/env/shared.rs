@@ -9,7 +9,7 @@ use geometry::Pose;
 use glam::DVec3;
 use model::Model;
 use model::grasp::poses_of;
-use model::observe::{Sense, SensedHand, sense};
+use model::sensors::{Sense, SensedHand, sense};
 use scene::leaf::{Count, NonNegative, Positive};
 use scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use std::sync::{Arc, Mutex, PoisonError};

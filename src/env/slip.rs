@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use model::Model;
-use net::linear::limit_surface::LimitSurface;
+use net::linear_response::limit_surface::LimitSurface;
 use record::Frame;
 
 /// Returns the fraction of the friction limit that `load` (N, hand frame, at the object's centre of mass) leaves

@@ -16,7 +16,7 @@ pub struct Snapshot {
     pub scene: String,
     /// Key of the episode.
     pub key: EpisodeKey,
-    /// State of the environment, see [`base::history`].
+    /// State of the environment, see [`base::saved_state`].
     pub state: Vec<u8>,
     /// BLAKE3 hash of all fields above.
     pub checksum: [u8; 32],

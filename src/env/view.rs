@@ -1,7 +1,7 @@
 //! Results of a step, borrowed from the batch, so that arrays cannot be used after the next step has overwritten them.
 
 use super::reward::StepInfo;
-use model::observe::ArraySpec;
+use model::sensors::ArraySpec;
 
 /// Array of all environments: (environments, shape of the specification).
 #[derive(Debug, Clone)]

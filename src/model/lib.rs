@@ -13,10 +13,10 @@ pub mod gripper;
 pub mod judge;
 pub mod limits;
 pub mod needs;
-pub mod observe;
 mod pads;
 pub mod part;
 pub mod push;
+pub mod sensors;
 
 pub use dynamics::Dynamics;
 pub use needs::Needs;
@@ -24,8 +24,8 @@ pub use push::PushLoad;
 
 use crate::grasp::object_of;
 use crate::judge::Auditor;
-use crate::observe::{Sense, SensedHand};
 use crate::part::{FingerModel, object};
+use crate::sensors::{Sense, SensedHand};
 use base::error::{Error, Result};
 use base::number::shown;
 use geometry::Aabb;
@@ -160,7 +160,7 @@ impl Model {
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
-        let senses = scene.record.tactile.iter().map(|observe| observe::sense(observe, &hand)).collect();
+        let senses = scene.record.tactile.iter().map(|observe| sensors::sense(observe, &hand)).collect();
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),

@@ -14,8 +14,8 @@ pub mod autodiff;
 pub mod eval;
 pub mod features;
 pub mod infer;
-pub mod kernel;
-pub mod linear;
+pub mod linear_response;
+pub mod matrix;
 pub mod network;
 pub mod train;
 

@@ -18,8 +18,8 @@
 pub mod arrays;
 pub mod check;
 pub mod csv;
-pub mod distance;
 pub mod error_bound;
+pub mod error_norm;
 pub mod frame;
 pub mod meshes;
 pub mod names;

@@ -5,7 +5,7 @@ use crate::components::{ColumnVisitor, visit_columns};
 use crate::environment::Environment;
 use crate::schedule::{BalanceReport, ForceCommand, Phase, StepLoad, StepReport};
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::world::World;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 impl Environment {
     /// Writes the state, from which a grasp continues bit for bit, in this process or another. The length does not
     /// depend on the number of steps taken.
-    pub fn write_history(&self, stepper: &dyn Stepper, history: &mut HistoryWriter) {
+    pub fn save_state(&self, stepper: &dyn Stepper, history: &mut StateWriter) {
         let world = self.world();
         // The history keeps errors until it is finished.
         let _ = visit_columns(&mut Writer { world, history });
@@ -23,15 +23,15 @@ impl Environment {
         history.write(&world.get_resource::<StepLoad>());
         history.write(&world.get_resource::<StepReport>());
         history.write(&world.get_resource::<BalanceReport>());
-        stepper.write_history(world, history);
+        stepper.save_state(world, history);
     }
 
-    /// Reads what [`Environment::write_history`] wrote, into an environment just created with the same model, stepper
+    /// Reads what [`Environment::save_state`] wrote, into an environment just created with the same model, stepper
     /// and pose.
     ///
     /// # Errors
     /// Fails if the history does not match; the environment must then be restarted.
-    pub fn read_history(&mut self, stepper: &dyn Stepper, history: &mut HistoryReader) -> Result<()> {
+    pub fn restore_state(&mut self, stepper: &dyn Stepper, history: &mut StateReader) -> Result<()> {
         let world = self.world_mut();
         visit_columns(&mut Reader { world, history })?;
         read_resource::<Phase>(world, history)?;
@@ -39,13 +39,13 @@ impl Environment {
         read_resource::<StepLoad>(world, history)?;
         read_resource::<StepReport>(world, history)?;
         read_resource::<BalanceReport>(world, history)?;
-        stepper.read_history(world, history)
+        stepper.restore_state(world, history)
     }
 }
 
 fn read_resource<R: bevy_ecs::resource::Resource + DeserializeOwned>(
     world: &mut World,
-    history: &mut HistoryReader,
+    history: &mut StateReader,
 ) -> Result<()> {
     match history.read::<Option<R>>()? {
         Some(resource) => world.insert_resource(resource),
@@ -57,7 +57,7 @@ fn read_resource<R: bevy_ecs::resource::Resource + DeserializeOwned>(
 /// Writes columns.
 struct Writer<'a> {
     world: &'a World,
-    history: &'a mut HistoryWriter,
+    history: &'a mut StateWriter,
 }
 
 impl ColumnVisitor for Writer<'_> {
@@ -75,7 +75,7 @@ impl ColumnVisitor for Writer<'_> {
 /// Reads columns.
 struct Reader<'a, 'b> {
     world: &'a mut World,
-    history: &'a mut HistoryReader<'b>,
+    history: &'a mut StateReader<'b>,
 }
 
 impl ColumnVisitor for Reader<'_, '_> {

@@ -8,7 +8,7 @@
 //! and request `Phase::Fault`, `Phase::Dropped`, or the `Phase::Ramp` of a later frame if it cannot compute this one.
 
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 use model::Model;
@@ -51,13 +51,13 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     /// Adds its systems to `schedule`, and the entities that only it needs to the `world` of `model`.
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model);
     /// Writes what the next step depends on in addition to the columns of `world`.
-    fn write_history(&self, _world: &World, _history: &mut HistoryWriter) {}
-    /// Reads what [`Stepper::write_history`] wrote, into a world that was prepared for the same grasp and whose columns
+    fn save_state(&self, _world: &World, _history: &mut StateWriter) {}
+    /// Reads what [`Stepper::save_state`] wrote, into a world that was prepared for the same grasp and whose columns
     /// are restored.
     ///
     /// # Errors
     /// Fails if the history does not match.
-    fn read_history(&self, _world: &mut World, _history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&self, _world: &mut World, _history: &mut StateReader) -> Result<()> {
         Ok(())
     }
 }

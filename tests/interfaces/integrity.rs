@@ -27,9 +27,9 @@ use tactus::model::part::FingerModel;
 use tactus::net::features::GraspFeatures;
 use tactus::net::features::pad_range::Sensor;
 use tactus::net::infer::predict::{GraspState, Predictor};
-use tactus::net::linear::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::pad_graph::{Layout, PadGraph, mesh_hash};
+use tactus::net::linear_response::compliance_cache::{ComplianceCache, ComplianceKey, MOST};
+use tactus::net::linear_response::first_contact::GeometricContact;
+use tactus::net::linear_response::pad_graph::{Layout, PadGraph, mesh_hash};
 use tactus::net::network::spec::Spec;
 use tactus::net::train::Trainer;
 

@@ -9,10 +9,10 @@ use tactus::net::autodiff::ops::{
 };
 use tactus::net::autodiff::real::Real;
 use tactus::net::autodiff::tape::{Matrix, Tape};
-use tactus::net::kernel::Sparse;
-use tactus::net::linear::balance::{ObjectBalance, Pressed};
-use tactus::net::linear::compliance::Compliance;
-use tactus::net::linear::deviator::{Deviator, PARTS};
+use tactus::net::linear_response::balance::{ObjectBalance, Pressed};
+use tactus::net::linear_response::compliance::Compliance;
+use tactus::net::linear_response::deviator::{Deviator, PARTS};
+use tactus::net::matrix::Sparse;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
     (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()

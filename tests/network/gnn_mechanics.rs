@@ -8,10 +8,10 @@ use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::part::FingerModel;
 use tactus::net::features::GraspFeatures;
-use tactus::net::linear::GraspLoad;
-use tactus::net::linear::first_contact::GeometricContact;
-use tactus::net::linear::pad_graph::{Layout, PadGraph};
-use tactus::net::linear::projected_gradient::{Touching, projected_contact};
+use tactus::net::linear_response::GraspLoad;
+use tactus::net::linear_response::first_contact::GeometricContact;
+use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
+use tactus::net::linear_response::projected_gradient::{Touching, projected_contact};
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tactus::dataset::DataSet;
 use tactus::model::Model;
-use tactus::net::linear::pad_graph::mesh_hash;
+use tactus::net::linear_response::pad_graph::mesh_hash;
 use tactus::net::network::card::Trained;
 use tactus::scene::load;
 

@@ -5,7 +5,7 @@ use glam::DVec3;
 use tactus::backend::choose;
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
-use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::record::{Frame, Status};
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;

@@ -5,7 +5,7 @@ use crate::keep::Keep;
 use tactus::backend::choose;
 use tactus::model::Model;
 use tactus::net::infer::predict::Predictor;
-use tactus::net::linear::first_contact::GeometricContact;
+use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::record::{ErrorBound, Status};
 use tactus::scene::leaf::{Count, Positive};
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};

@@ -11,7 +11,7 @@ use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
 use tactus::model::grasp::poses_of;
 use tactus::model::{Model, accuracy};
-use tactus::record::distance::{Distance, Points, Probe};
+use tactus::record::error_norm::{Distance, Points, Probe};
 use tactus::record::{Frame, Status};
 use tactus::scene::leaf::Fraction;
 use tactus::scene::pad::GelSightMini;

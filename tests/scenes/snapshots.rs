@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use tactus::backend::choose;
-use tactus::base::history::{HistoryReader, HistoryWriter};
+use tactus::base::saved_state::{StateReader, StateWriter};
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::record::Frame;
@@ -35,17 +35,17 @@ fn goes_on(scene: &str, change: impl Fn(&mut Scene)) {
             assert_eq!(other.phase(), truth.phase());
         }
         if [0, 1, 3].contains(&frames) {
-            let mut history = HistoryWriter::default();
-            truth.write_history(stepper.as_ref(), &mut history);
+            let mut history = StateWriter::default();
+            truth.save_state(stepper.as_ref(), &mut history);
             let history = history.finish().unwrap();
             let mut other = fresh();
-            other.read_history(stepper.as_ref(), &mut HistoryReader(&history)).unwrap();
+            other.restore_state(stepper.as_ref(), &mut StateReader(&history)).unwrap();
             moved.push((frames, other));
             if frames > 0 {
                 sizes.push(history.len() as f64);
             }
-            let cut = HistoryReader(&history[..history.len() / 2]).to_owned();
-            assert!(fresh().read_history(stepper.as_ref(), &mut { cut }).is_err(), "half of it is refused");
+            let cut = StateReader(&history[..history.len() / 2]).to_owned();
+            assert!(fresh().restore_state(stepper.as_ref(), &mut { cut }).is_err(), "half of it is refused");
         }
     }
     assert!(frames == FRAMES && moved.len() > 3, "{frames} frames, {} moves", moved.len());

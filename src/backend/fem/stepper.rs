@@ -4,7 +4,7 @@ use super::condensed::Condensation;
 use super::dynamics::integrator::Integrator;
 use super::systems;
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use mech::contact::{FeatureContact, PointContact};
@@ -89,23 +89,23 @@ impl Stepper for FemStepper {
         systems::register(schedule, &model.needs, model.force_driven);
     }
 
-    fn write_history(&self, world: &World, history: &mut HistoryWriter) {
+    fn save_state(&self, world: &World, history: &mut StateWriter) {
         if let Some(integrator) = world.get_resource::<Integrator>() {
-            integrator.write_history(history);
+            integrator.save_state(history);
         }
         if let Some(solver) = world.get_resource::<GraspSolver>() {
-            solver.write_history(history);
+            solver.save_state(history);
         }
     }
 
-    fn read_history(&self, world: &mut World, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let missing = || Error::Start("the world was not prepared for finite elements".into());
         let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
         let mut solver = world.remove_resource::<GraspSolver>().ok_or_else(missing)?;
         if let (Some(mut integrator), Some(dynamics)) = (world.get_resource_mut::<Integrator>(), &model.dynamics) {
-            integrator.read_history(&mut solver.path, &model, dynamics, &self.settings, history)?;
+            integrator.restore_state(&mut solver.path, &model, dynamics, &self.settings, history)?;
         }
-        let read = solver.read_history(&model, history);
+        let read = solver.restore_state(&model, history);
         world.insert_resource(solver);
         read
     }
@@ -177,22 +177,22 @@ impl GraspSolver {
     }
 
     /// Writes everything that the next step depends on.
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&(self.progress, self.steps, self.condensed.is_some()));
-        self.condensed.iter().for_each(|pads| pads.write_history(history));
-        self.path.write_history(history);
+        self.condensed.iter().for_each(|pads| pads.save_state(history));
+        self.path.save_state(history);
     }
 
     /// Reads the history of a solver of the same scene.
-    fn read_history(&mut self, model: &Model, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, model: &Model, history: &mut StateReader) -> Result<()> {
         let condensed: bool;
         (self.progress, self.steps, condensed) = history.read()?;
         match &mut self.condensed {
-            Some(pads) if condensed => pads.read_history(&mut self.path, history)?,
+            Some(pads) if condensed => pads.restore_state(&mut self.path, history)?,
             Some(_) => self.release(model).map_err(Error::Start)?,
             None => {}
         }
-        self.path.read_history(history)
+        self.path.restore_state(history)
     }
 
     /// Returns the scene's settings.

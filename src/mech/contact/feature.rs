@@ -18,7 +18,7 @@ use crate::potential::edge::EdgeReading;
 use crate::potential::state::{BodyMotion, BodyView, Departure};
 use crate::potential::term::{Assembly, BodyTerm, Stencil};
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use base::scales::FEATURE_MOVES;
 use geometry::shape::Stretch;
 use glam::DVec3;
@@ -271,11 +271,11 @@ impl BodyTerm for FeatureContact {
         self.pool.set(edges);
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.accepted);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         self.accepted = history.read()?;
         self.rollback();
         Ok(())

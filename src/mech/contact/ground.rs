@@ -9,7 +9,7 @@ use crate::potential::state::{ObjectIncrement, ObjectView};
 use crate::potential::term::{Assembly, ObjectTerm};
 use crate::potential::time_step::TimeStep;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use geometry::Pose;
 use glam::{DMat3, DVec3};
 use std::iter;
@@ -162,13 +162,13 @@ impl ObjectTerm for GroundContact {
         self.pool.satisfied(|_| least)
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
-        self.pool.write_history(history);
+    fn save_state(&self, history: &mut StateWriter) {
+        self.pool.save_state(history);
         history.write(&self.last);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        self.pool.read_history(history)?;
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
+        self.pool.restore_state(history)?;
         history.read_into(&mut self.last)
     }
 }

@@ -4,7 +4,7 @@ use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::slip;
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use base::scales::NO_FRICTION;
 use glam::DVec3;
 
@@ -110,7 +110,7 @@ impl EdgePool {
     }
 
     /// Writes the edges last accepted.
-    pub fn write_history(&self, history: &mut HistoryWriter) {
+    pub fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.committed);
     }
 
@@ -118,7 +118,7 @@ impl EdgePool {
     ///
     /// # Errors
     /// Fails if the history does not match these edges.
-    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    pub fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         let edges: Vec<(usize, EdgeState)> = history.read()?;
         if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
             return Err(Error::Start("the saved state has contact edges that the scene lacks".into()));

@@ -12,7 +12,7 @@ use crate::potential::edge::EdgeReading;
 use crate::potential::state::{BodyMotion, BodyView, Departure};
 use crate::potential::term::{Assembly, BodyTerm, Stencil};
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use base::scales::{LOOK_AHEAD, MIDDLE_CUT};
 use geometry::shape::{SignedDistance, SurfaceTouch};
 use glam::DVec3;
@@ -198,11 +198,11 @@ impl BodyTerm for PointContact {
         }
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.felt);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         self.near.clear();
         history.read_into(&mut self.felt)?;
         self.committed.clone_from(&self.felt);

@@ -8,7 +8,7 @@ use crate::potential::state::{NewtonStep, RigidUnknowns, State};
 use crate::potential::term::{Assembly, ObjectTerm};
 use crate::potential::time_step::TimeStep;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 
 /// Effects on the object alone; those that a scene does not need are None or empty. A new one takes a field, and a line
 /// in `all` and `all_mut`.
@@ -88,15 +88,15 @@ impl ObjectTerms {
     }
 
     /// Writes the history of all terms.
-    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
-        self.all().for_each(|t| t.write_history(history));
+    pub(crate) fn save_state(&self, history: &mut StateWriter) {
+        self.all().for_each(|t| t.save_state(history));
     }
 
     /// Reads the history of the same terms.
     ///
     /// # Errors
     /// Fails if the history does not match these terms.
-    pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
-        self.all_mut().try_for_each(|t| t.read_history(history))
+    pub(crate) fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
+        self.all_mut().try_for_each(|t| t.restore_state(history))
     }
 }

@@ -6,7 +6,7 @@ use crate::potential::edge::{EdgeReading, EdgeState};
 use crate::potential::state::{Departure, State};
 use crate::potential::term::BodyTerm;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -101,19 +101,19 @@ impl Newton {
     }
 
     /// Writes the history of all terms.
-    pub fn write_history(&self, history: &mut HistoryWriter) {
-        (0..self.blocks.len()).flat_map(|i| self.body_terms(i)).for_each(|t| t.write_history(history));
-        self.object.write_history(history);
+    pub fn save_state(&self, history: &mut StateWriter) {
+        (0..self.blocks.len()).flat_map(|i| self.body_terms(i)).for_each(|t| t.save_state(history));
+        self.object.save_state(history);
     }
 
     /// Reads the history of the same terms.
     ///
     /// # Errors
     /// Fails if the history does not match these terms.
-    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    pub fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         for (gel, terms) in self.gel.iter_mut().zip(&mut self.terms) {
-            gel.iter_mut().chain(terms).try_for_each(|t| t.read_history(history))?;
+            gel.iter_mut().chain(terms).try_for_each(|t| t.restore_state(history))?;
         }
-        self.object.read_history(history)
+        self.object.restore_state(history)
     }
 }

@@ -8,7 +8,7 @@ use super::{Path, PathControl};
 use crate::newton::SavedTerms;
 use crate::potential::state::State;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use serde::{Deserialize, Serialize};
 
 /// Accepted state of a path with its history. Checkpoints and snapshots share this type, so that neither can lack a
@@ -101,22 +101,22 @@ impl Path {
     }
 
     /// Writes everything that the next increment depends on.
-    pub fn write_history(&self, history: &mut HistoryWriter) {
+    pub fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.remembered());
-        self.newton.write_history(history);
+        self.newton.save_state(history);
     }
 
-    /// Reads the data of [`Path::write_history`] into a path with the same bodies and terms.
+    /// Reads the data of [`Path::save_state`] into a path with the same bodies and terms.
     ///
     /// # Errors
     /// Fails if the history does not match this path.
-    pub fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    pub fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         let (accepted, work): (Accepted, Work) = history.read()?;
         self.accept(accepted);
         let Work { step, spent, pseudo_time, methods, iterations, projections, frozen } = work;
         (self.step, self.spent, self.pseudo_time, self.methods) = (step, spent, pseudo_time, methods);
         let profile = &mut self.newton.profile;
         (profile.iterations, profile.projections, profile.frozen) = (iterations, projections, frozen);
-        self.newton.read_history(history)
+        self.newton.restore_state(history)
     }
 }

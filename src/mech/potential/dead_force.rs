@@ -4,7 +4,7 @@ use super::block::RigidBlock;
 use super::state::ObjectView;
 use super::term::{Assembly, ObjectTerm};
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use glam::{DMat3, DVec3};
 
 /// Dead load at a point of the object: potential `-f . x`.
@@ -58,11 +58,11 @@ impl ObjectTerm for DeadForce {
         block.activity += f.length();
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&(self.force, self.part));
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         (self.force, self.part) = history.read()?;
         Ok(())
     }

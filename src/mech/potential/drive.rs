@@ -5,7 +5,7 @@ use super::state::{BodyView, Departure};
 use super::term::{Assembly, BodyTerm};
 use crate::body::Body;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 
 /// Energy `c / 2 h (t - t0)2 + k / 2 max(t - end, 0)2` of the travel `t`: a motor whose force decreases with its speed,
 /// and a stop at the end of the stroke. The solver applies the driving force itself.
@@ -60,11 +60,11 @@ impl BodyTerm for Drive {
         self.travel = travel(view);
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.travel);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         self.travel = history.read()?;
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::body::pattern::Pattern;
 use crate::element::{Kernel, ShapeFunctions, Stiffness, TET10_CENTER, TET10_NODES};
 use crate::material::{Dilatation, Material, Moduli, Tangent};
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 
@@ -151,11 +151,11 @@ impl<const Q: usize> BodyTerm for InversionBarrier<Q> {
         self.extend(body, view.x)
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.elements);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         self.elements = history.read()?;
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::time_step::TimeStep;
 use crate::body::Body;
 use crate::body::pattern::{FIXED, Pattern};
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use geometry::Pose;
 use glam::{DMat3, DVec3};
 
@@ -90,12 +90,12 @@ impl BodyTerm for PadInertia {
         }
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.position);
         history.write(&self.velocity);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         history.read_into(&mut self.position)?;
         history.read_into(&mut self.velocity)
     }

@@ -6,7 +6,7 @@ use super::state::ObjectView;
 use super::term::{Assembly, ObjectTerm};
 use super::time_step::TimeStep;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use geometry::Pose;
 use geometry::shape::MassProperties;
 use glam::{DMat3, DQuat, DVec3};
@@ -203,11 +203,11 @@ impl ObjectTerm for RigidInertia {
         self.state = RigidMotion { position, rotation, velocity, momentum };
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&(self.state, self.rate, self.iterate));
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         (self.state, self.rate, self.iterate) = history.read()?;
         Ok(())
     }

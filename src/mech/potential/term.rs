@@ -6,7 +6,7 @@ use super::edge::{EdgeReading, EdgeState};
 use super::state::{BodyMotion, BodyView, Departure, ObjectIncrement, ObjectView};
 use crate::body::Body;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -116,12 +116,12 @@ pub trait BodyTerm: TermClone + Send + Sync {
     /// Restores the accepted edges that are not open, given by their numbers in ascending order.
     fn set_edges(&mut self, _edges: &[(usize, EdgeState)]) {}
     /// Writes everything that the next increment depends on, except the edges.
-    fn write_history(&self, _history: &mut HistoryWriter) {}
-    /// Reads the data of [`BodyTerm::write_history`].
+    fn save_state(&self, _history: &mut StateWriter) {}
+    /// Reads the data of [`BodyTerm::save_state`].
     ///
     /// # Errors
     /// Fails if the history does not match this term.
-    fn read_history(&mut self, _history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, _history: &mut StateReader) -> Result<()> {
         Ok(())
     }
 }
@@ -148,12 +148,12 @@ pub trait ObjectTerm: Send + Sync {
         true
     }
     /// Writes everything that the next increment depends on.
-    fn write_history(&self, history: &mut HistoryWriter);
-    /// Reads the data of [`ObjectTerm::write_history`].
+    fn save_state(&self, history: &mut StateWriter);
+    /// Reads the data of [`ObjectTerm::save_state`].
     ///
     /// # Errors
     /// Fails if the history does not match this term.
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()>;
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()>;
 }
 
 /// Elastic energy of the gel.

@@ -6,7 +6,7 @@ use super::term::{Assembly, BodyTerm};
 use crate::body::Body;
 use crate::body::pattern::FIXED;
 use base::error::Result;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -82,11 +82,11 @@ impl BodyTerm for Viscosity {
         self.last.copy_from_slice(view.x);
     }
 
-    fn write_history(&self, history: &mut HistoryWriter) {
+    fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.last);
     }
 
-    fn read_history(&mut self, history: &mut HistoryReader) -> Result<()> {
+    fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         history.read_into(&mut self.last)
     }
 }

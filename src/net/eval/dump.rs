@@ -9,7 +9,7 @@ use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::infer::inputs::{Array, grasp_inputs, pad_inputs};
 use crate::infer::predict::Predictor;
-use crate::kernel::Sparse;
+use crate::matrix::Sparse;
 use crate::network::spec::{NetworkSpec, Paper};
 use crate::network::{Inputs, VolumeNormalisers};
 use crate::train::sample::Sample;

@@ -2,8 +2,8 @@
 
 use crate::infer::predict::{PadState, Predictor};
 use crate::infer::touch::object_at;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::{GraspLoad, loads_of};
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::{GraspLoad, loads_of};
 use base::error::Result;
 use dataset::inspect::frame;
 use dataset::{ObjectFile, StoredGrasp};

@@ -12,7 +12,7 @@ use super::train::data;
 pub use super::train::frame_error::FrameError;
 use super::train::frame_error::{frame_error, truth};
 use super::train::sample::Sample;
-use crate::linear::pad_graph::mesh_hash;
+use crate::linear_response::pad_graph::mesh_hash;
 use base::error::Result;
 use base::interrupt;
 use dataset::DataSet;

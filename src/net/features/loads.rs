@@ -3,10 +3,10 @@
 use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
 use crate::features::rows;
-use crate::linear::GraspLoad;
-use crate::linear::balance::{ObjectBalance, Pressed};
-use crate::linear::projected_gradient::{LANES, Touching, projected_contact};
-use crate::linear::rigid_equilibrium::Rest;
+use crate::linear_response::GraspLoad;
+use crate::linear_response::balance::{ObjectBalance, Pressed};
+use crate::linear_response::projected_gradient::{LANES, Touching, projected_contact};
+use crate::linear_response::rigid_equilibrium::Rest;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;

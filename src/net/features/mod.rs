@@ -14,10 +14,10 @@ pub mod volume;
 
 use self::sub_element::Nearest;
 use self::volume::Volume;
-use crate::kernel::Sparse;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::{Layout, PadGraph};
-use crate::linear::rigid_equilibrium::RigidEquilibrium;
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::pad_graph::{Layout, PadGraph};
+use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
+use crate::matrix::Sparse;
 use glam::{DMat3, DVec3};
 use model::Model;
 use model::gripper::FingerPlacement;

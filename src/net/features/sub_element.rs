@@ -1,7 +1,7 @@
 //! Queries of the object between the nodes of a pad: first contact may be there.
 
 use super::View;
-use crate::linear::pad_graph::PadGraph;
+use crate::linear_response::pad_graph::PadGraph;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 

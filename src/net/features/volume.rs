@@ -10,10 +10,10 @@
 //! once.
 
 use super::Parity;
-use crate::kernel::Sparse;
-use crate::linear::edges::Edges;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::PadGraph;
+use crate::linear_response::edges::Edges;
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::pad_graph::PadGraph;
+use crate::matrix::Sparse;
 use geometry::Aabb;
 use glam::{DMat3, DVec3};
 use mech::element::EDGES;

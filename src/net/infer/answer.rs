@@ -5,7 +5,7 @@ use super::touch::touched;
 use crate::autodiff::tape::Matrix;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
-use crate::linear::pad_graph::PadGraph;
+use crate::linear_response::pad_graph::PadGraph;
 use crate::network::interval::{Interval, Signs};
 use crate::network::{NetworkOutput, Normalisers};
 use glam::DVec3;

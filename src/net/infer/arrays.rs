@@ -3,12 +3,12 @@
 use super::many::PredictedGrasp;
 use super::predict::{GraspState, PadState};
 use super::touch::object_at;
-use crate::linear::GraspLoad;
+use crate::linear_response::GraspLoad;
 use base::error::Result;
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use model::observe::Now;
+use model::sensors::Now;
 use rayon::prelude::*;
 use record::{ErrorBound, names};
 use world::components::ObjectPose;

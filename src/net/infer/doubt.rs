@@ -1,8 +1,8 @@
 //! Grasps with the largest predicted error, which are the most useful to add to a training set.
 
 use super::predict::Predictor;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::loads_of;
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::loads_of;
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;

@@ -8,7 +8,7 @@
 
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use crate::linear::{GraspLoad, around};
+use crate::linear_response::{GraspLoad, around};
 use base::error::Result;
 use glam::DVec3;
 

@@ -6,8 +6,8 @@
 use super::face::{Code, beside, multiply, row};
 use super::message::BLOCK;
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::kernel::activation::{Act, positive};
-use crate::kernel::product::{Packed, Product, RowsView, padded, product};
+use crate::matrix::activation::{Act, positive};
+use crate::matrix::product::{Packed, Product, RowsView, padded, product};
 use crate::network::Normalisers;
 use crate::network::face::LITTLE;
 use crate::network::parameters::Parameters;

@@ -2,9 +2,9 @@
 
 use super::predict::GraspState;
 use super::touch::object_at;
-use crate::linear::GraspLoad;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::limit_surface::LimitSurface;
+use crate::linear_response::GraspLoad;
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::limit_surface::LimitSurface;
 use glam::DVec3;
 use model::Model;
 

@@ -7,8 +7,8 @@ use crate::autodiff::ops::{deviated, displaced, respond};
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
-use crate::linear::balance::{EQUATIONS, ObjectBalance};
-use crate::linear::pad_graph::PadGraph;
+use crate::linear_response::balance::{EQUATIONS, ObjectBalance};
+use crate::linear_response::pad_graph::PadGraph;
 use crate::network::{Inputs, Normalisers};
 use std::sync::Arc;
 

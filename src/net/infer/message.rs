@@ -8,9 +8,9 @@
 //! Edges are sorted by receiver, so that each node sums its own messages without storing them and without atomics.
 //! Blocks do not depend on the number of threads, and the pools are summed in the order of the blocks.
 
-use crate::kernel::activation::{Act, gated};
-use crate::kernel::product::{LANES, Packed, Product, RowsView, padded, product};
-use crate::linear::edges::Edges;
+use crate::linear_response::edges::Edges;
+use crate::matrix::activation::{Act, gated};
+use crate::matrix::product::{LANES, Packed, Product, RowsView, padded, product};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 

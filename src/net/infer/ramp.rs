@@ -10,7 +10,7 @@
 use super::FaceEngine;
 use super::answer::{Answer, mixed};
 use super::predict::{GraspState, Predictor, Seen};
-use crate::linear::GraspLoad;
+use crate::linear_response::GraspLoad;
 use base::error::Result;
 use glam::DVec3;
 use model::Model;

@@ -5,10 +5,10 @@
 
 use super::heads::Channels;
 use crate::autodiff::ops::LITTLE;
-use crate::kernel::activation::Act;
-use crate::kernel::product::{Packed, Product, RowsView, padded};
-use crate::linear::compliance::Compliance;
-use crate::linear::pad_graph::PadGraph;
+use crate::linear_response::compliance::Compliance;
+use crate::linear_response::pad_graph::PadGraph;
+use crate::matrix::activation::Act;
+use crate::matrix::product::{Packed, Product, RowsView, padded};
 use crate::network::Normalisers;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;

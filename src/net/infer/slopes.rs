@@ -4,9 +4,9 @@
 use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
 use crate::features::GraspFeatures;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::PadGraph;
-use crate::linear::{GraspLoad, loads_of};
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::pad_graph::PadGraph;
+use crate::linear_response::{GraspLoad, loads_of};
 use crate::network::card::{Card, Trained};
 use crate::network::spec::NetworkSpec;
 use base::error::{Error, Result};

@@ -3,9 +3,9 @@
 
 use super::predict::PadState;
 use crate::features::GraspFeatures;
-use crate::linear::GraspLoad;
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::object_motion::moved;
+use crate::linear_response::GraspLoad;
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::object_motion::moved;
 use crate::network::interval::Signs;
 use glam::DVec3;
 use model::Model;

@@ -19,8 +19,8 @@ use super::features::normalise::MOST;
 use super::features::normalise::Normaliser;
 use super::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
 use super::features::{self, GraspFeatures, VECTOR};
-use crate::kernel::Sparse;
-use crate::linear::pad_graph::Layout;
+use crate::linear_response::pad_graph::Layout;
+use crate::matrix::Sparse;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

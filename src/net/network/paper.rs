@@ -17,8 +17,8 @@ use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
-use crate::linear::edges::Edges;
-use crate::linear::pad_graph::Layout;
+use crate::linear_response::edges::Edges;
+use crate::linear_response::pad_graph::Layout;
 use crate::network::parameters::{Id, Maker, Parameters};
 use crate::network::spec::Paper;
 

@@ -23,7 +23,7 @@ use super::network::interval::{Interval, Kept, Signs};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Inputs, Network, Normalisers, build};
-use crate::linear::known_pads::KnownPads;
+use crate::linear_response::known_pads::KnownPads;
 use adam::Adam;
 use base::error::{Error, Result};
 use base::files::lock::FolderLock;

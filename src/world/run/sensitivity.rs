@@ -10,7 +10,7 @@ use base::error::Result;
 use geometry::Pose;
 use glam::{DQuat, DVec3};
 use model::Model;
-use record::distance::{Distance, Points, Probe};
+use record::error_norm::{Distance, Points, Probe};
 use record::sensitivity::{Change, Moved};
 use record::{Frame, PadTopology, Status};
 use scene::leaf::{NonNegative, Positive};

@@ -2,7 +2,7 @@
 
 use crate::schedule::{Recorded, Shared};
 use bevy_ecs::prelude::*;
-use model::observe::Now;
+use model::sensors::Now;
 
 /// Adds the arrays of the tactile sensors that the scene records to the frame.
 pub fn record_tactile(shared: Res<Shared>, mut recorded: ResMut<Recorded>) {

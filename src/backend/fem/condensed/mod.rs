@@ -24,7 +24,7 @@ pub use patch::choose;
 pub use term::CondensedEnergy;
 
 use base::error;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use base::scales::FIRST_DEPTH;
 use glam::DVec3;
 use mech::newton::Failure;
@@ -210,19 +210,19 @@ impl Condensation {
     }
 
     /// Writes everything that the next level depends on.
-    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+    pub(crate) fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.levels);
-        self.pads.iter().for_each(|pad| pad.write_history(history));
+        self.pads.iter().for_each(|pad| pad.save_state(history));
     }
 
-    /// Reads what [`Condensation::write_history`] wrote, and condenses the pads of `path` as before.
+    /// Reads what [`Condensation::save_state`] wrote, and condenses the pads of `path` as before.
     ///
     /// # Errors
     /// Fails if the history does not match.
-    pub(crate) fn read_history(&mut self, path: &mut Path, history: &mut HistoryReader) -> error::Result<()> {
+    pub(crate) fn restore_state(&mut self, path: &mut Path, history: &mut StateReader) -> error::Result<()> {
         self.levels = history.read()?;
         for (i, pad) in self.pads.iter_mut().enumerate() {
-            if let Some(body) = pad.read_history(history)? {
+            if let Some(body) = pad.restore_state(history)? {
                 path.newton.exchange(i, body)?;
             }
         }

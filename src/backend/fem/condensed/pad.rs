@@ -2,7 +2,7 @@
 
 use super::term::CondensedEnergy;
 use base::error::{Error, Result};
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use faer::Mat;
 use glam::{DVec3, Vec3};
 use mech::body::Body;
@@ -124,17 +124,17 @@ impl CondensedPad {
     }
 
     /// Writes everything that the next correction depends on.
-    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+    pub(crate) fn save_state(&self, history: &mut StateWriter) {
         history.write(&self.condensed_at);
         history.write(&(&self.patch, &self.center, &self.accepted, &self.gradient));
     }
 
-    /// Reads what [`CondensedPad::write_history`] wrote; condenses the pad as before. Returns the condensed body if its
+    /// Reads what [`CondensedPad::save_state`] wrote; condenses the pad as before. Returns the condensed body if its
     /// nodes are new.
     ///
     /// # Errors
     /// Fails if the history does not match.
-    pub(crate) fn read_history(&mut self, history: &mut HistoryReader) -> Result<Option<Arc<Body>>> {
+    pub(crate) fn restore_state(&mut self, history: &mut StateReader) -> Result<Option<Arc<Body>>> {
         let condensed_at: Vec<DVec3> = history.read()?;
         let (patch, center, accepted, gradient): (Vec<u32>, _, _, _) = history.read()?;
         let known =

@@ -2,7 +2,7 @@
 
 use super::{advance, terms};
 use base::error;
-use base::history::{HistoryReader, HistoryWriter};
+use base::saved_state::{StateReader, StateWriter};
 use base::scales::SAFE_MOTION;
 use bevy_ecs::prelude::*;
 use geometry::Pose;
@@ -115,21 +115,21 @@ impl Integrator {
     }
 
     /// Writes everything that the next step depends on, except the path.
-    pub(crate) fn write_history(&self, history: &mut HistoryWriter) {
+    pub(crate) fn save_state(&self, history: &mut StateWriter) {
         history.write(&(self.time, self.size, &self.before));
     }
 
-    /// Reads what [`Integrator::write_history`] wrote; adds the dynamic terms to `path` if motion had begun.
+    /// Reads what [`Integrator::save_state`] wrote; adds the dynamic terms to `path` if motion had begun.
     ///
     /// # Errors
     /// Fails if the history does not match.
-    pub(crate) fn read_history(
+    pub(crate) fn restore_state(
         &mut self,
         path: &mut Path,
         model: &Model,
         dynamics: &Dynamics,
         settings: &scene::Fem,
-        history: &mut HistoryReader,
+        history: &mut StateReader,
     ) -> error::Result<()> {
         let before: Option<(State, f64)>;
         (self.time, self.size, before) = history.read()?;

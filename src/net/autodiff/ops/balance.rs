@@ -2,7 +2,7 @@
 
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
-use crate::linear::balance::ObjectBalance;
+use crate::linear_response::balance::ObjectBalance;
 use std::sync::Arc;
 
 /// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at

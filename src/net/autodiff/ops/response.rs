@@ -6,8 +6,8 @@
 
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
-use crate::linear::compliance::Compliance;
-use crate::linear::deviator::PARTS;
+use crate::linear_response::compliance::Compliance;
+use crate::linear_response::deviator::PARTS;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::Arc;
 

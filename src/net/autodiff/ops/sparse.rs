@@ -2,7 +2,7 @@
 
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
-use crate::kernel::Sparse;
+use crate::matrix::Sparse;
 use std::sync::Arc;
 
 /// Computes `map * x` for every block of `map.cols()` rows of x: (blocks * cols, m) -> (blocks * rows, m).

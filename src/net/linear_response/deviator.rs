@@ -1,7 +1,7 @@
 //! Deviatoric stress at the nodes of a pad from small displacements, as [`mech::body::Body::cauchy`] recovers
 //! it.
 
-use crate::kernel::numbers::Numbers;
+use crate::matrix::numbers::Numbers;
 use glam::DVec3;
 use mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
 use model::part::FingerModel;

@@ -7,7 +7,7 @@
 //! adapted until the force is at the limit (secant iteration).
 
 use super::{Rest, RigidEquilibrium, Seen};
-use crate::linear::GraspLoad;
+use crate::linear_response::GraspLoad;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};

@@ -7,8 +7,8 @@
 
 use super::deviator::{Deviator, deviators};
 use super::refined_pad::RefinedPad;
-use crate::kernel::numbers::Numbers;
-use crate::kernel::product::{LANES, Packed, RowsView, respond};
+use crate::matrix::numbers::Numbers;
+use crate::matrix::product::{LANES, Packed, RowsView, respond};
 use base::error::{Error, Result};
 use glam::DVec3;
 use mech::body::cholesky::Factor;

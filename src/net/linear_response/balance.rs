@@ -8,7 +8,7 @@
 //!
 //! Quantities are dimensionless, in hand axes, as in [`super::rigid_equilibrium`].
 
-use crate::kernel::Number;
+use crate::matrix::Number;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use glam::{DMat3, DVec2, DVec3};

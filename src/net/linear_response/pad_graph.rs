@@ -10,7 +10,7 @@ use super::compliance::Compliance;
 use super::compliance_cache::{ComplianceCache, ComplianceKey};
 use super::edges::Edges;
 use super::mortar::MortarBasis;
-use crate::kernel::Sparse;
+use crate::matrix::Sparse;
 use base::error::{Error, Result};
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};

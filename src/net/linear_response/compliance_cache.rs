@@ -6,7 +6,7 @@
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
-use crate::kernel::numbers::Map;
+use crate::matrix::numbers::Map;
 use base::files::atomic::{create_dir, write_atomic};
 use etcetera::BaseStrategy;
 use model::part::FingerModel;

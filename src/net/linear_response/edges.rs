@@ -1,6 +1,6 @@
 //! Directed edges between nodes, and the sparse maps of messages along them.
 
-use crate::kernel::Sparse;
+use crate::matrix::Sparse;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 

@@ -11,9 +11,9 @@
 
 mod step;
 
-use crate::linear::first_contact::GeometricContact;
-use crate::linear::pad_graph::PadGraph;
-use crate::linear::{GraspLoad, amid, around};
+use crate::linear_response::first_contact::GeometricContact;
+use crate::linear_response::pad_graph::PadGraph;
+use crate::linear_response::{GraspLoad, amid, around};
 use glam::{DMat3, DQuat, DVec3};
 use model::Model;
 use std::sync::Arc;

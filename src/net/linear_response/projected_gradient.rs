@@ -9,7 +9,7 @@
 //! product.
 
 use super::compliance::Compliance;
-use crate::kernel::product::{Packed, RowsView, respond};
+use crate::matrix::product::{Packed, RowsView, respond};
 use glam::DVec3;
 use mech::contact::coulomb::{kept, slips};
 use pulp::{Arch, NullaryFnOnce};
@@ -21,7 +21,7 @@ const SLIDES: usize = 4;
 /// Gap, over the largest depth, up to which nodes take part.
 const REACH: f64 = 0.3;
 /// Number of loads that are iterated together.
-pub const LANES: usize = crate::kernel::product::LANES;
+pub const LANES: usize = crate::matrix::product::LANES;
 
 /// One number per load.
 type Lanes = [f64; LANES];

@@ -3,7 +3,7 @@
 //! A pressure given at every node is finer than the elements below can resolve, and oscillates. A pressure that is
 //! linear between corner nodes does not (mortar contact: Bernardi, Maday and Patera 1994).
 
-use crate::linear::compliance::Compliance;
+use crate::linear_response::compliance::Compliance;
 use glam::DVec3;
 use mech::element::EDGES;
 use rayon::prelude::*;

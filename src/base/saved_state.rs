@@ -6,14 +6,14 @@ use serde::de::DeserializeOwned;
 
 /// Writer of a sequence of values.
 #[derive(Debug, Clone, Default)]
-pub struct HistoryWriter {
+pub struct StateWriter {
     bytes: Vec<u8>,
     /// Error of the first value that could not be written.
     failed: Option<postcard::Error>,
 }
 
-impl HistoryWriter {
-    /// Writes `value`. After the first failure nothing more is written, and [`HistoryWriter::finish`] returns the
+impl StateWriter {
+    /// Writes `value`. After the first failure nothing more is written, and [`StateWriter::finish`] returns the
     /// error.
     pub fn write(&mut self, value: &impl Serialize) {
         if self.failed.is_none() {
@@ -36,11 +36,11 @@ impl HistoryWriter {
     }
 }
 
-/// Reader of the bytes of a [`HistoryWriter`]; holds those not yet read.
+/// Reader of the bytes of a [`StateWriter`]; holds those not yet read.
 #[derive(Debug, Clone, Copy)]
-pub struct HistoryReader<'a>(pub &'a [u8]);
+pub struct StateReader<'a>(pub &'a [u8]);
 
-impl HistoryReader<'_> {
+impl StateReader<'_> {
     /// Reads the next value.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl HistoryReader<'_> {
     /// Reads a sequence into `values`.
     ///
     /// # Errors
-    /// Fails as [`HistoryReader::read`] does, and if the number of values differs.
+    /// Fails as [`StateReader::read`] does, and if the number of values differs.
     pub fn read_into<T: DeserializeOwned>(&mut self, values: &mut [T]) -> Result<()> {
         let read: Vec<T> = self.read()?;
         if read.len() != values.len() {
@@ -77,18 +77,18 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back_bit_for_bit_and_a_cut_is_noticed() {
-        let mut history = HistoryWriter::default();
+        let mut history = StateWriter::default();
         history.write(&vec![f64::INFINITY, -0.0, 1.0 / 3.0]);
         history.write(&(Some(7_u32), true));
         let bytes = history.finish().unwrap();
-        let mut reader = HistoryReader(&bytes);
+        let mut reader = StateReader(&bytes);
         let mut values = [0.0_f64; 3];
         reader.read_into(&mut values).unwrap();
         assert_eq!(values.map(f64::to_bits), [f64::INFINITY, -0.0, 1.0 / 3.0].map(f64::to_bits));
         assert_eq!(reader.read::<(Option<u32>, bool)>().unwrap(), (Some(7), true));
         assert!(reader.read::<u32>().is_err(), "nothing is left");
-        assert!(HistoryReader(&bytes[..20]).read::<Vec<f64>>().is_err(), "cut off");
-        assert!(HistoryReader(&bytes).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
+        assert!(StateReader(&bytes[..20]).read::<Vec<f64>>().is_err(), "cut off");
+        assert!(StateReader(&bytes).read_into(&mut [0.0_f64; 2]).is_err(), "another length");
     }
 
     /// Value whose serialisation fails.
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_value_that_cannot_be_written_is_an_error_and_no_gap() {
-        let mut history = HistoryWriter::default();
+        let mut history = StateWriter::default();
         history.write(&1_u32);
         history.write(&Refuses);
         history.write(&2_u32);
