@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use model::Model;
 use scene::{Condensed, Fem, Solver};
 use world::Stepper;
-use world::schedule::{HandedOver, Shared};
+use world::schedule::{FallbackReason, Shared};
 
 /// Network that falls back to condensed finite elements where its predicted error is too large or unknown.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ impl GuardedNetwork {
 
     /// Returns the stepper that computes the grasp of a prepared world.
     fn chosen(&self, world: &World) -> &dyn Stepper {
-        match world.contains_resource::<HandedOver>() {
+        match world.contains_resource::<FallbackReason>() {
             true => &self.elements,
             false => &self.network,
         }
@@ -81,8 +81,8 @@ impl Stepper for GuardedNetwork {
 
     fn prepare(&self, world: &mut World) -> Result<()> {
         if let Some(reason) = self.doubt(world)? {
-            self.network.withdraw(world);
-            world.insert_resource(HandedOver(reason));
+            self.network.remove_resources(world);
+            world.insert_resource(FallbackReason(reason));
             self.elements.prepare(world)?;
         }
         Ok(())
@@ -93,13 +93,13 @@ impl Stepper for GuardedNetwork {
     }
 
     fn save_state(&self, world: &World, history: &mut StateWriter) {
-        history.write(&world.contains_resource::<HandedOver>());
+        history.write(&world.contains_resource::<FallbackReason>());
         self.chosen(world).save_state(world, history);
     }
 
     fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let handed_over: bool = history.read()?;
-        if handed_over != world.contains_resource::<HandedOver>() {
+        if handed_over != world.contains_resource::<FallbackReason>() {
             let [saved, own] =
                 [handed_over, !handed_over].map(|elements| if elements { "finite elements" } else { "the network" });
             return Err(Error::Start(format!(

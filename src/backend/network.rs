@@ -5,7 +5,7 @@ use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use model::{Model, Needs};
-use net::infer::force_ladder::ForceLadder;
+use net::infer::force_ladder::ForceInterpolation;
 use net::infer::hold::{hold, slip};
 use net::infer::predict::{GraspState, PadState, Predictor, Seen};
 use net::infer::ramp::Ramp;
@@ -71,7 +71,7 @@ impl NetworkStepper {
     }
 
     /// Removes its resources from `world`.
-    pub fn withdraw(&self, world: &mut World) {
+    pub fn remove_resources(&self, world: &mut World) {
         world.remove_resource::<Prediction>();
     }
 }
@@ -163,7 +163,7 @@ pub struct Prediction {
     /// States of the predictable frames, if their loads are known in advance.
     ahead: Option<Ramp>,
     /// States at any load, for an agent; None if one of the sampled loads cannot be predicted.
-    ladder: OnceLock<Option<ForceLadder>>,
+    ladder: OnceLock<Option<ForceInterpolation>>,
 }
 
 impl Prediction {
@@ -274,7 +274,9 @@ fn predict(
         Some((_, seen)) => {
             let push = weight.map(|weight| weight.0).filter(|_| predictor.knows_pushes()).unwrap_or_default();
             let known = ladder
-                .get_or_init(|| ForceLadder::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok())
+                .get_or_init(|| {
+                    ForceInterpolation::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok()
+                })
                 .as_ref()
                 .and_then(|ladder| ladder.at(load.level, push));
             known.map_or_else(|| predictor.at(seen, GraspLoad { force: load.level, push: [push, DVec3::ZERO] }), Ok)

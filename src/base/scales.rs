@@ -40,24 +40,24 @@ pub const NO_FRICTION: f64 = 4e-6;
 pub const DISPLACEMENT_TOLERANCE: f64 = 0.5;
 /// Largest motion in an iteration after which the complete Hessian (with the curvature of pad faces) is used; at most
 /// 1, the contact offset.
-pub const SHARP_MOTION: f64 = 0.5;
+pub const COMPLETE_HESSIAN_MOTION: f64 = 0.5;
 /// Largest motion of a point in one iteration: less than half of the thinnest object, a quarter of the pad.
 /// `tests/scenes/torture.rs`.
 pub const LARGEST_MOTION: f64 = 100.0;
 /// Motion of the rigid unknowns that the first proximal springs allow under the full load: below [`LARGEST_MOTION`].
-pub const PSEUDO_TIME_BEGINS: f64 = 20.0;
+pub const FIRST_PSEUDO_STEP: f64 = 20.0;
 /// Motion of the rigid unknowns in a pseudo-time step above which the springs become stiffer: [`LARGEST_MOTION`].
-pub const PSEUDO_TIME_REACH: f64 = 100.0;
+pub const LARGEST_PSEUDO_STEP: f64 = 100.0;
 /// Motion while a finger has no contact after which the object counts as having left the grasp: more than one step of a
 /// pseudo-transient continuation.
 pub const GONE: f64 = 100.0;
 /// Motion at which a released object counts as dropped: more than the pad thickness. `scenes/torture/heavy_object.ron`.
-pub const DROPPED: f64 = 1000.0;
+pub const DROP_DISTANCE: f64 = 1000.0;
 /// Largest predicted motion in a time step that needs no conservative advancement: an eighth of the pad thickness, so
 /// that a pad cannot pass through an object.
 pub const SAFE_MOTION: f64 = 50.0;
 /// Penetration into the stop at the end of the stroke under the rated force.
-pub const STROKE_YIELD: f64 = 1.0;
+pub const STOP_PENETRATION: f64 = 1.0;
 
 // Condensed pads; in contact offsets.
 
@@ -83,26 +83,26 @@ pub const CORNER_CUT: f64 = 0.6;
 pub const EDGE_CUT: f64 = 0.2;
 /// Penetration at another point of its edge above which a contact vertex moves there: without and with pressure on the
 /// vertex.
-pub const FEATURE_MOVES: [f64; 2] = [0.4, 0.5];
+pub const VERTEX_MOVE_PENETRATION: [f64; 2] = [0.4, 0.5];
 /// Penetration of the object at a sub-face sample of the pad above which the sample becomes active.
 pub const MIDDLE_CUT: f64 = 0.2;
 
-// Closest points; in contact offsets. Search radii; only the tolerances `FACE_KEPT`, `DEEPEST_LENGTH` affect results.
+// Closest points; in contact offsets. Search radii; only the tolerances `FACE_HYSTERESIS`, `DEEPEST_LENGTH` affect results.
 
 /// Distance within which the exact gap is computed: farther points are skipped until they may have come this close.
-pub const LOOK_AHEAD: f64 = 50.0;
+pub const EXACT_GAP_RADIUS: f64 = 50.0;
 /// Distance up to which points are listed: pad and object may move this far relative to each other before the list is
 /// rebuilt.
-pub const POINTS_LISTED: f64 = 30.0;
+pub const POINT_LIST_RADIUS: f64 = 30.0;
 /// Difference of distances up to which a contact vertex keeps the face that it pressed on; below the reduced contact
 /// offset.
-pub const FACE_KEPT: f64 = 0.2;
+pub const FACE_HYSTERESIS: f64 = 0.2;
 /// Motion of a pad after which distances are recomputed: a fraction of the distance of most contact vertices.
-pub const DISTANCES_STALE: f64 = 20.0;
+pub const DISTANCE_UPDATE_MOTION: f64 = 20.0;
 /// Distance from a pad up to which contact vertices are listed: several times the motion of pads between two lists.
-pub const FEATURES_LISTED: f64 = 150.0;
+pub const VERTEX_LIST_RADIUS: f64 = 150.0;
 /// Upper bound of the penetration in states near equilibrium.
-pub const DEEPEST: f64 = 10.0;
+pub const LARGEST_PENETRATION: f64 = 10.0;
 /// Length to which the deepest point of an edge is located.
 pub const DEEPEST_LENGTH: f64 = 2.0;
 /// Distance by which the curved faces of two pads may protrude beyond their nodes.

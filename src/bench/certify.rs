@@ -1,7 +1,7 @@
 //! Table of references: values of single grasps with error estimates from a mesh refinement study.
 
-use super::contest::{Climb, Rules};
-use super::ladder::{ErrorEstimate, MeshLadder, Role};
+use super::contest::{RefinementRun, Rules};
+use super::ladder::{ErrorEstimate, RefinementStudy, Role};
 use super::report::QuantityName;
 use super::sweep::Sweep;
 use super::values::FrameValues;
@@ -38,7 +38,7 @@ pub struct Reference {
     pub values: BTreeMap<QuantityName, Certified>,
     /// Errors of the reference's fields over the frames of the grasp, relative.
     pub fields: BTreeMap<QuantityName, ErrorEstimate>,
-    /// Distances of all pairs of meshes for displacement and stress, as in [`MeshLadder::distances`].
+    /// Distances of all pairs of meshes for displacement and stress, as in [`RefinementStudy::distances`].
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
     /// Notices and findings of the mesh refinement study.
     pub findings: Vec<String>,
@@ -65,12 +65,12 @@ pub fn certify(
     scene: &Path,
     rules: &Rules,
     mut progress: impl FnMut(&str),
-) -> Result<(Reference, MeshLadder)> {
+) -> Result<(Reference, RefinementStudy)> {
     let mut sweep = Sweep::new(&named.scene)?;
     if !sweep.scene.record.fields.contains(&Field::ContactForce) {
         sweep.scene.record.fields.push(Field::ContactForce);
     }
-    let mut climb = Climb::new(&sweep, rules)?;
+    let mut climb = RefinementRun::new(&sweep, rules)?;
     let pose = *poses_of(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let name = named.name.as_str();
     let steps = climb.grasp(0, pose, &mut |text| progress(&format!("{name}: {text}")))?;

@@ -12,11 +12,11 @@ pub fn processor_time() -> Option<f64> {
 }
 
 /// Resets the peak of the resident memory (Linux: `/proc/self/clear_refs`); returns false if that is impossible.
-pub fn forget_peak_memory() -> bool {
+pub fn reset_peak_memory() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
-/// Returns the largest resident memory since [`forget_peak_memory`], bytes; None if unknown.
+/// Returns the largest resident memory since [`reset_peak_memory`], bytes; None if unknown.
 pub fn peak_memory() -> Option<u64> {
     status("VmHWM:")
 }

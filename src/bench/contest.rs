@@ -1,8 +1,8 @@
 //! Comparison of all configurations on the same grasps. Repetitions are interleaved, so that other load on the machine
 //! affects all configurations alike.
 
-use super::clock::{forget_peak_memory, peak_memory, processor_time};
-use super::ladder::{self, Member, MeshLadder, Role, Tally};
+use super::clock::{peak_memory, processor_time, reset_peak_memory};
+use super::ladder::{self, Member, RefinementStudy, Role, Tally};
 use super::report::BenchReport;
 use super::sweep::{Configuration, Sweep};
 use super::values::{FrameValues, values};
@@ -13,7 +13,7 @@ use base::stats::median;
 use geometry::Pose;
 use model::Model;
 use model::grasp::poses_of;
-use record::error_norm::{Distance, Fields, Points, Probe};
+use record::error_norm::{Distance, FieldInterpolation, Fields, Points};
 use record::{Frame, Status};
 use scene::Scene;
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ pub struct Rules {
 
 /// Configuration with its results.
 #[derive(Debug)]
-pub struct ContestEntry {
+pub struct BenchEntry {
     /// Configuration of the entry.
     pub configuration: Configuration,
     /// Model and backend; None while they are not loaded.
@@ -71,7 +71,7 @@ pub struct Prepared {
     pub model: Arc<Model>,
     /// Backend of the configuration.
     pub stepper: Box<dyn Stepper>,
-    probe: Probe,
+    probe: FieldInterpolation,
     setup_s: f64,
 }
 
@@ -99,12 +99,12 @@ pub fn contest(
     mut progress: impl FnMut(&str),
 ) -> Result<BenchReport> {
     let sweep = Sweep::new(scene)?;
-    let mut climb = Climb::new(&sweep, rules)?;
-    let mut entries: Vec<ContestEntry> = sweep.configurations(models)?.into_iter().map(ContestEntry::new).collect();
+    let mut climb = RefinementRun::new(&sweep, rules)?;
+    let mut entries: Vec<BenchEntry> = sweep.configurations(models)?.into_iter().map(BenchEntry::new).collect();
     let mut grasps = sample(&poses_of(scene)?, rules.grasps);
     if let Some((_, pose)) = grasps.first() {
         // In order of size, because memory that the allocator keeps from one configuration is reused by the next.
-        let mut all: Vec<&mut ContestEntry> = entries.iter_mut().chain([climb.reference()]).collect();
+        let mut all: Vec<&mut BenchEntry> = entries.iter_mut().chain([climb.reference()]).collect();
         all.sort_by_key(|e| e.configuration.nodes);
         for entry in all {
             progress(&format!("memory: {}", entry.configuration.label));
@@ -147,7 +147,7 @@ pub fn contest(
 
 /// Result of a member of the mesh refinement study for a grasp.
 #[derive(Debug)]
-pub struct RungResult {
+pub struct MemberResult {
     /// Role of the member.
     pub role: Role,
     /// Fields of its frames at the common points; empty if it failed.
@@ -158,8 +158,8 @@ pub struct RungResult {
 
 /// Members of the mesh refinement study, with their distances accumulated over the grasps.
 #[derive(Debug)]
-pub struct Climb {
-    members: Vec<(Role, ContestEntry)>,
+pub struct RefinementRun {
+    members: Vec<(Role, BenchEntry)>,
     reference: usize,
     tally: Tally,
     /// Points at which fields are compared.
@@ -170,14 +170,14 @@ pub struct Climb {
     pub notices: Vec<String>,
 }
 
-impl Climb {
+impl RefinementRun {
     /// Creates the mesh refinement study for the scene of a sweep.
     ///
     /// # Errors
     /// Fails if a pad cannot be meshed or threads cannot be started.
     pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
         let members: Vec<_> =
-            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, ContestEntry::new(c))).collect();
+            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, BenchEntry::new(c))).collect();
         let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
         // Quadrature points of the mesh one level below the reference: it resolves the edge of a contact patch with an
         // affordable number of points.
@@ -191,7 +191,7 @@ impl Climb {
     }
 
     /// Returns the reference.
-    pub fn reference(&mut self) -> &mut ContestEntry {
+    pub fn reference(&mut self) -> &mut BenchEntry {
         &mut self.members[self.reference].1
     }
 
@@ -200,7 +200,7 @@ impl Climb {
     ///
     /// # Errors
     /// Fails if the grasp cannot be run.
-    pub fn grasp(&mut self, index: usize, pose: Pose, progress: &mut impl FnMut(&str)) -> Result<Vec<RungResult>> {
+    pub fn grasp(&mut self, index: usize, pose: Pose, progress: &mut impl FnMut(&str)) -> Result<Vec<MemberResult>> {
         let (mut steps, mut levels) = (Vec::new(), Vec::new());
         for (role, entry) in &mut self.members {
             progress(&format!("grasp {index}: {}", entry.configuration.label));
@@ -208,7 +208,7 @@ impl Climb {
             let model = entry.prepared.as_ref().map(|p| p.model.clone());
             let last = model.as_ref().zip(frames.last());
             let values = last.map_or_else(FrameValues::new, |(model, frame)| values(model, frame));
-            steps.push(RungResult { role: *role, fields: entry.fields(&frames), values });
+            steps.push(MemberResult { role: *role, fields: entry.fields(&frames), values });
             if let Some(reason) = entry.failed.pop() {
                 let whose =
                     if *role == Role::Reference { "the reference: left out" } else { &entry.configuration.label };
@@ -220,7 +220,7 @@ impl Climb {
                 entry.prepared = None;
             }
         }
-        let fails = |s: &RungResult| s.fields.is_empty();
+        let fails = |s: &MemberResult| s.fields.is_empty();
         if steps.iter().any(|s| s.role == Role::Reference && fails(s)) {
             return Ok(Vec::new());
         }
@@ -231,14 +231,14 @@ impl Climb {
     }
 
     /// Returns the results of the mesh refinement study for the grasps so far.
-    pub fn ladder(&self) -> MeshLadder {
-        let member = |(role, entry): &(Role, ContestEntry)| Member {
+    pub fn ladder(&self) -> RefinementStudy {
+        let member = |(role, entry): &(Role, BenchEntry)| Member {
             label: entry.configuration.label.clone(),
             role: *role,
             nodes: entry.configuration.nodes,
             time_per_grasp_s: Some(entry.time_per_grasp()).filter(|t| t.is_finite()),
         };
-        MeshLadder::new(self.members.iter().map(member).collect(), &self.tally)
+        RefinementStudy::new(self.members.iter().map(member).collect(), &self.tally)
     }
 }
 
@@ -249,7 +249,7 @@ fn sample(poses: &[Pose], wanted: usize) -> Vec<(usize, Pose)> {
     numbers.filter_map(|i| poses.get(i).map(|p| (i, *p))).collect()
 }
 
-impl ContestEntry {
+impl BenchEntry {
     fn new(configuration: Configuration) -> Self {
         Self {
             configuration,
@@ -268,7 +268,7 @@ impl ContestEntry {
 
     /// Measures the peak memory of a simulation up to the first frame, while no other configuration is loaded.
     fn measure_memory(&mut self, pose: Pose) -> Result<()> {
-        let known = forget_peak_memory();
+        let known = reset_peak_memory();
         let scene = &self.configuration.scene;
         let (model, stepper) = (Model::build(scene)?, choose(scene)?);
         let mut environment = Environment::new(&model, stepper.as_ref(), pose)?;
@@ -361,7 +361,7 @@ impl Prepared {
         // Cached data of the pads are loaded once, as part of the set-up.
         drop(Environment::new(&model, stepper.as_ref(), pose)?);
         let setup_s = clock.elapsed().as_secs_f64();
-        let probe = Probe::new(points, &model.fingers[0].topology);
+        let probe = FieldInterpolation::new(points, &model.fingers[0].topology);
         Ok(Self { model, stepper, probe, setup_s })
     }
 }

@@ -3,7 +3,7 @@
 
 /// Competing configuration with its time and error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rival<'a> {
+pub struct Competitor<'a> {
     /// Name of the rival.
     pub label: &'a str,
     /// Time of a grasp, s.
@@ -25,8 +25,8 @@ pub struct Equal {
 
 /// Returns the time that `rivals` take for `error`: interpolated linearly in the logarithms of time and error along
 /// their Pareto front. None if no rival reaches it.
-pub fn time_at(rivals: &[Rival], error: f64) -> Option<Equal> {
-    let mut front: Vec<Rival> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();
+pub fn time_at(rivals: &[Competitor], error: f64) -> Option<Equal> {
+    let mut front: Vec<Competitor> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();
     front.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
     let mut least = f64::INFINITY;
     front.retain(|r| {
@@ -51,12 +51,12 @@ pub fn time_at(rivals: &[Rival], error: f64) -> Option<Equal> {
 mod tests {
     use super::*;
 
-    const RIVALS: [Rival; 4] = [
-        Rival { label: "coarse", time: 1.0, error: 0.16 },
-        Rival { label: "medium", time: 4.0, error: 0.04 },
+    const RIVALS: [Competitor; 4] = [
+        Competitor { label: "coarse", time: 1.0, error: 0.16 },
+        Competitor { label: "medium", time: 4.0, error: 0.04 },
         // Slower and no better.
-        Rival { label: "dominated", time: 9.0, error: 0.05 },
-        Rival { label: "fine", time: 64.0, error: 0.01 },
+        Competitor { label: "dominated", time: 9.0, error: 0.05 },
+        Competitor { label: "fine", time: 64.0, error: 0.01 },
     ];
 
     #[test]

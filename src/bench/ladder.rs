@@ -6,7 +6,7 @@
 //! The true error is unknown, but two distances bracket it. The change by the last refinement includes the larger error
 //! of the coarser mesh and overestimates it. A mesh of another kind shares part of the error with the reference, so its
 //! distance underestimates it. Their geometric mean is the estimate (docs/verification.md compares it with meshes twice
-//! as fine). The observed order of convergence is reported, and [`MeshLadder::findings`] states where the order, the
+//! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order, the
 //! two distances or the path error are inconsistent.
 
 use super::density::{coarser, other_kind};
@@ -27,7 +27,7 @@ pub const RUNGS: usize = 4;
 /// Tolerance of the condensed pads of all members: far below the error of their meshes.
 const SHARP: Condensed = Condensed { error: Positive::preset(0.002) };
 /// Factor within which an error estimate should be accurate.
-const GOOD: f64 = 2.0;
+const ESTIMATE_FACTOR: f64 = 2.0;
 
 /// Role of a member of the mesh refinement study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,7 +118,7 @@ pub struct Member {
 
 /// Results of the mesh refinement study.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct MeshLadder {
+pub struct RefinementStudy {
     /// Members of the study.
     pub members: Vec<Member>,
     /// Distances per quantity: of member i from member j > i, over the norm of j, median over grasps and frames; null
@@ -146,7 +146,7 @@ pub struct ErrorEstimate {
     pub by_path: Option<f64>,
 }
 
-impl MeshLadder {
+impl RefinementStudy {
     /// Computes the results from the distances of the members.
     pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
         let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
@@ -176,7 +176,7 @@ impl MeshLadder {
         match (e.order, e.by_rungs) {
             (Some(order), Some(last)) => {
                 let left = last / (2_f64.powf(0.5 * order) - 1.0);
-                if left > GOOD * mesh {
+                if left > ESTIMATE_FACTOR * mesh {
                     doubts.push(format!("the order {order:.1} that the rungs show would leave {}", percent(left)));
                 }
             }
@@ -184,7 +184,7 @@ impl MeshLadder {
             _ => {}
         }
         if let (Some(last), Some(other)) = (e.by_rungs, e.by_other)
-            && (last / other > GOOD * GOOD || other > last)
+            && (last / other > ESTIMATE_FACTOR * ESTIMATE_FACTOR || other > last)
         {
             doubts.push(format!(
                 "the last refinement changed {}, the mesh of another kind {}",

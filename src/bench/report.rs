@@ -1,8 +1,8 @@
 //! Report of a comparison: a point per configuration, the Pareto front, the speed-up at equal error.
 
-use super::contest::{ContestEntry, Rules};
-use super::front::{Rival, time_at};
-use super::ladder::MeshLadder;
+use super::contest::{BenchEntry, Rules};
+use super::front::{Competitor, time_at};
+use super::ladder::RefinementStudy;
 use base::stats::Spread;
 use record::error_norm::Distance;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -125,7 +125,7 @@ pub struct BenchReport {
     /// Estimated error of the displacement of the reference; smaller errors cannot be resolved.
     pub reference_error: Option<f64>,
     /// Mesh refinement study from which the error of the reference is estimated.
-    pub ladder: MeshLadder,
+    pub ladder: RefinementStudy,
     /// Largest speed-up of the contenders; null without any, or if no setting reaches their error.
     pub speedup_at_equal_error: Option<f64>,
     /// Notices about the results.
@@ -137,8 +137,8 @@ impl BenchReport {
     pub fn new(
         rules: &Rules,
         grasps: Vec<usize>,
-        (reference, ladder): (&ContestEntry, MeshLadder),
-        entries: &[ContestEntry],
+        (reference, ladder): (&BenchEntry, RefinementStudy),
+        entries: &[BenchEntry],
         notices: Vec<String>,
     ) -> Self {
         let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
@@ -185,7 +185,7 @@ pub fn mark_dominated(points: &mut [Point]) {
 }
 
 impl Point {
-    fn new(entry: &ContestEntry) -> Self {
+    fn new(entry: &BenchEntry) -> Self {
         let spread =
             |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s));
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
@@ -233,8 +233,8 @@ impl Point {
             let rivals = sound
                 .iter()
                 .copied()
-                .filter_map(|p| Some(Rival { label: &p.label, time: p.time_per_grasp_s, error: pick(p)? }));
-            let rivals: Vec<Rival> = rivals.collect();
+                .filter_map(|p| Some(Competitor { label: &p.label, time: p.time_per_grasp_s, error: pick(p)? }));
+            let rivals: Vec<Competitor> = rivals.collect();
             time_at(&rivals, pick(self)?)
         };
         let (displacement, stress) = (at(|p| p.displacement_error)?, at(|p| p.stress_error)?);

@@ -1,7 +1,7 @@
 //! Steps per second of batches of environments, against the numbers of environments and threads, and memory per
 //! environment.
 
-use super::clock::{forget_peak_memory, peak_memory};
+use super::clock::{peak_memory, reset_peak_memory};
 use super::snapshots::{SnapshotCost, snapshots};
 use backend::choose;
 use base::error::{Error, Result};
@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Minimum run time of a batch, s; it runs for at least one episode.
-const LEAST: f64 = 2.0;
+const MIN_BATCH_TIME: f64 = 2.0;
 /// Maximum time of an episode, s; a batch that is expected to exceed it is skipped.
-const MOST: f64 = 60.0;
+const MAX_EPISODE_TIME: f64 = 60.0;
 
 /// Throughput of one batch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -87,7 +87,7 @@ pub fn rollouts(
             let mut rate = f64::INFINITY;
             for &n in &envs {
                 let name = format!("{backend}, environments: {n}, threads: {threads}");
-                if (n * steps) as f64 / rate > MOST {
+                if (n * steps) as f64 / rate > MAX_EPISODE_TIME {
                     left_out.push(name);
                     continue;
                 }
@@ -117,14 +117,14 @@ struct Turn {
 
 /// Runs one batch under a random policy.
 fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<Turn> {
-    let known = forget_peak_memory();
+    let known = reset_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
     let failed = |e: env::StepError| Error::Solver(e.to_string());
     env.reset(None, None).map_err(failed)?;
     let mut random = Random::new(1);
     let numbers = num_envs * env.action_spec().size();
     let (clock, mut times) = (Instant::now(), Vec::new());
-    while times.len() < steps || clock.elapsed().as_secs_f64() < LEAST {
+    while times.len() < steps || clock.elapsed().as_secs_f64() < MIN_BATCH_TIME {
         let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.unit() as f32 - 1.0).collect();
         let step = Instant::now();
         env.step(&actions).map_err(failed)?;
@@ -195,7 +195,7 @@ pub fn text(report: &Rollouts) -> String {
         );
     }
     for name in &report.left_out {
-        text += &format!("left out, an episode would take more than {MOST:.0} s: {name}\n");
+        text += &format!("left out, an episode would take more than {MAX_EPISODE_TIME:.0} s: {name}\n");
     }
     text
 }

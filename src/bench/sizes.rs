@@ -1,6 +1,6 @@
 //! Cost against mesh size: one grasp with pads of increasing numbers of nodes.
 
-use super::clock::{forget_peak_memory, peak_memory, processor_time};
+use super::clock::{peak_memory, processor_time, reset_peak_memory};
 use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
 use backend::choose;
@@ -68,7 +68,7 @@ pub fn cost_by_size(
         return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
     };
     scene.gripper.needs_alike("a bench")?;
-    let scene = &accuracy::meshed(scene)?;
+    let scene = &accuracy::with_chosen_mesh(scene)?;
     let mut wanted = wanted.to_vec();
     wanted.sort_unstable();
     let mut pads = wanted.iter().map(|n| of_size(&scene.gripper.pads, fem.element, *n)).collect::<Result<Vec<_>>>()?;
@@ -86,7 +86,7 @@ pub fn cost_by_size(
             scene.gripper.pads = pads.clone();
             let density = describe(pads);
             progress(&format!("turn {} of {repeats}: {density}", turn + 1));
-            let known = forget_peak_memory();
+            let known = reset_peak_memory();
             let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
             model.finger()?;
             let before = processor_time();

@@ -83,7 +83,7 @@ impl Sweep {
             return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
         }
         scene.gripper.needs_alike("a bench")?;
-        let mut scene = accuracy::meshed(scene)?;
+        let mut scene = accuracy::with_chosen_mesh(scene)?;
         scene.promise_nothing();
         for field in [Field::Displacement, Field::Stress] {
             if !scene.record.fields.contains(&field) {

@@ -1,6 +1,6 @@
 //! Text and CSV reports of a comparison.
 
-use super::ladder::MeshLadder;
+use super::ladder::RefinementStudy;
 use super::report::{BenchReport, Point, QUANTITIES};
 use std::fmt::Write;
 
@@ -58,7 +58,7 @@ pub fn text(report: &BenchReport) -> String {
 }
 
 /// Describes the members of a mesh refinement study, their mutual distances, and the error estimate of the reference.
-pub fn ladder(ladder: &MeshLadder) -> String {
+pub fn ladder(ladder: &RefinementStudy) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
     let mut out = String::from("\nhow far the meshes of the ladder are apart, %: displacement, stress, force\n");

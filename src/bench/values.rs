@@ -4,7 +4,7 @@ use super::report::QuantityName;
 use glam::DVec3;
 use model::Model;
 use model::part::FingerModel;
-use record::error_norm::{Points, Probe};
+use record::error_norm::{FieldInterpolation, Points};
 use record::{Frame, PadFrame};
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub fn values(model: &Model, frame: &Frame) -> FrameValues {
     put("displacement_max_m", lengths.fold(0.0, f64::max));
     if let Some(finger) = model.fingers.first() {
         let points = Points::of(&finger.topology);
-        let fields = Probe::new(&points, &finger.topology).fields(frame);
+        let fields = FieldInterpolation::new(&points, &finger.topology).fields(frame);
         let volume: f64 = points.volume.iter().sum::<f64>() * frame.pads.len() as f64;
         let over = |values: &mut dyn Iterator<Item = f64>| {
             values.zip(points.volume.iter().cycle()).map(|(v, w)| v * w).sum::<f64>() / volume

@@ -2,9 +2,9 @@
 //! run.
 
 use super::console::Console;
-use super::findings::{Found, TRIED};
+use super::findings::{Found, MAX_GRASPS};
 use super::plausible::implausible;
-use super::run::about_object;
+use super::run::with_object_name;
 use super::{Format, OK, REFUSED};
 use backend::choose;
 use backend::fem::condensed::nodes_at_contact;
@@ -56,7 +56,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
         return Err(Error::Argument("--export writes one object; choose it with --object".into()));
     }
     let (mut runs, mut objects, mut errors, mut problems) = (true, Vec::new(), Vec::new(), String::new());
-    let examined = &set.scenes[..set.scenes.len().min(EXAMINED)];
+    let examined = &set.scenes[..set.scenes.len().min(MAX_OBJECTS)];
     // Chunks of one object per thread limit the memory, because each object has its own pads.
     for chunk in examined.chunks(machine_threads()) {
         let found = chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.place(e, &named.name))));
@@ -85,7 +85,7 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
                     runs &= found.started > 0;
                     args.export.as_ref().map_or(Ok(()), |path| export(path, &found))?;
                 }
-                Err(error) if several => errors.push(about_object(name, &error).to_string()),
+                Err(error) if several => errors.push(with_object_name(name, &error).to_string()),
                 Err(error) => return Err(error),
             }
         }
@@ -114,7 +114,7 @@ fn export(path: &Path, found: &Found) -> Result<()> {
 }
 
 /// Largest number of objects of a scene that are examined, so that a check takes seconds.
-const EXAMINED: usize = 50;
+const MAX_OBJECTS: usize = 50;
 
 /// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no
 /// network is evaluated.
@@ -127,7 +127,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
-    let tried = &poses[..poses.len().min(TRIED)];
+    let tried = &poses[..poses.len().min(MAX_GRASPS)];
     // Each thread reuses one environment for all its grasps.
     let close = |poses: &[Pose]| {
         let mut kept = None;

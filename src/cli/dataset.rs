@@ -5,7 +5,7 @@ use super::console::Console;
 use super::dataset_table::{made, moved};
 use super::run::refused;
 use super::view::{WatchArgs, watched};
-use super::{Format, NOT_HELD, OK, inspect, kept};
+use super::{EXPECTATION_FAILED, Format, OK, inspect, kept};
 use base::error::Result;
 use base::machine::machine_threads;
 use base::number::counted;
@@ -15,7 +15,7 @@ use dataset::{Campaign, Selection, Watcher};
 use geometry::Pose;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::grasp::keep_first;
-use net::infer::doubt::doubts;
+use net::infer::doubt::predicted_errors;
 use net::infer::predict::Predictor;
 use record::Status;
 use scene::overrides::limit_time;
@@ -120,7 +120,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
     let score = |scene: &Scene, poses: &[Pose]| match &predictor {
-        Some(predictor) => doubts(predictor, scene, poses),
+        Some(predictor) => predicted_errors(predictor, scene, poses),
         None => Ok(vec![0.0; poses.len()]),
     };
     let keep = args.keep.map(|keep| keep as usize);
@@ -200,7 +200,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     console.print(&text)?;
     let all = manifest.sum(|o| o.reached) == manifest.grasps;
     let kept = manifest.objects.iter().flat_map(|o| &o.promises).all(|p| p.worst.held);
-    Ok(if all && kept { OK } else { NOT_HELD })
+    Ok(if all && kept { OK } else { EXPECTATION_FAILED })
 }
 
 /// Parses `I/N`.

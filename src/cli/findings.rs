@@ -19,7 +19,7 @@ use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 
 /// Largest number of grasps that are closed to first contact: a check then takes seconds, and the first grasps of a
 /// data set are sufficient.
-pub(super) const TRIED: usize = 1000;
+pub(super) const MAX_GRASPS: usize = 1000;
 
 /// Largest number of problems that are printed; the JSON lists all.
 const PROBLEMS: usize = 20;
@@ -42,7 +42,7 @@ pub(super) struct Found {
 impl Found {
     /// Returns the number of grasps that were closed to first contact.
     fn tried(&self) -> usize {
-        self.poses.len().min(TRIED)
+        self.poses.len().min(MAX_GRASPS)
     }
 
     pub fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
@@ -73,7 +73,7 @@ impl Found {
             "components": object(&components),
             "unknowns": self.unknowns,
             "needs": m.needs,
-            "release_n": m.lets_go().then(|| m.release * m.fingers.len() as f64),
+            "release_n": m.is_released_later().then(|| m.release * m.fingers.len() as f64),
             "path_error": m.path_error,
             "pads": m.pad_reports(),
             "quality": m.fingers.first().map(quality),
@@ -169,7 +169,7 @@ impl Found {
             line(&format!("{name} pad: {size} in the hand, {} nodes, {} tetrahedra, {element}", pad.nodes, pad.tets));
         }
         let total = m.fingers.len() as f64;
-        if m.lets_go() {
+        if m.is_released_later() {
             line(&format!(
                 "release: the object is held where it is up to {:.4} N, the sum over the fingers",
                 m.release * total

@@ -1,7 +1,7 @@
 //! Command `tactus fit`: fits the constants of a press to a measured curve.
 
 use super::console::Console;
-use super::{Format, NOT_HELD, OK};
+use super::{EXPECTATION_FAILED, Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;
@@ -63,5 +63,5 @@ pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
         chart::save_chart(&report, dir)?;
     }
     console.print(&if args.format == Format::Json { json } else { report.text() })?;
-    Ok(if report.converged() { OK } else { NOT_HELD })
+    Ok(if report.converged() { OK } else { EXPECTATION_FAILED })
 }

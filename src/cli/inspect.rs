@@ -1,12 +1,12 @@
 //! Command `tactus dataset inspect`: contents and integrity of a data set.
 
 use super::console::Console;
-use super::{Format, NOT_HELD, OK};
+use super::{EXPECTATION_FAILED, Format, OK};
 use base::error::Result;
 use base::files::atomic::create_dir;
 use base::number::counted;
 use dataset::DataSet;
-use dataset::inspect::{self, Inspection, Thinning};
+use dataset::inspect::{self, Inspection, InspectionSampling};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -38,14 +38,14 @@ pub fn inspect(args: &InspectArgs, console: &dyn Console) -> Result<u8> {
     if let Some(dir) = &args.pictures {
         create_dir(dir)?;
     }
-    let thinning = Thinning { every: args.every as usize, frames: args.frames.map(|n| n as usize) };
+    let thinning = InspectionSampling { every: args.every as usize, frames: args.frames.map(|n| n as usize) };
     let found = inspect::inspect(&set, thinning, args.pictures.as_deref())?;
     let text = match args.format {
         Format::Text => render(&set, &found),
         Format::Json => format!("{}\n", serde_json::json!({"manifest": set.manifest, "inspection": found})),
     };
     console.print(&text)?;
-    Ok(if found.damaged.is_empty() { OK } else { NOT_HELD })
+    Ok(if found.damaged.is_empty() { OK } else { EXPECTATION_FAILED })
 }
 
 fn render(set: &DataSet, found: &Inspection) -> String {

@@ -42,7 +42,7 @@ pub use view::{ViewArgs, WatchArgs};
 /// Exit code for success: everything requested was done and every expectation holds.
 pub const OK: u8 = 0;
 /// Exit code for a scene that ran, but of which an expectation does not hold or a grasp failed.
-pub const NOT_HELD: u8 = 1;
+pub const EXPECTATION_FAILED: u8 = 1;
 /// Exit code for invalid arguments or files, other errors and interruptions.
 pub const REFUSED: u8 = 2;
 

@@ -12,18 +12,18 @@ use std::time::Duration;
 use world::run::effort::{ExpectedTime, steps};
 
 /// Processor time of a grasp above which an input error is assumed, s: one day.
-const LONGEST: f64 = 86_400.0;
+const MAX_GRASP_TIME: f64 = 86_400.0;
 
 /// Indentation of a pad over its thickness above which an input error of the force is assumed: twice the limit at which
 /// a press is refused, because springs do not stiffen as gel does.
-const THROUGH: f64 = 2.0;
+const MAX_INDENTATION_RATIO: f64 = 2.0;
 
 /// Returns a sentence for each implausible property of a scene: a force that presses the object through a pad in the
 /// grasp at `pose`, and a grasp that takes more than a day.
 pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &ExpectedTime) -> Vec<String> {
     let sides = if model.alike() { 1 } else { model.fingers.len() };
     let mut all: Vec<String> = (0..sides).filter_map(|side| overload(scene, model, side, pose)).collect();
-    if expected.grasp_s > LONGEST {
+    if expected.grasp_s > MAX_GRASP_TIME {
         let steps = steps(model).zip(model.dynamics.as_ref()).map_or_else(String::new, |(steps, dynamics)| {
             let (steps, step) = (shown(rounded(steps, 2)), shown(dynamics.time_step));
             format!(": it is {steps} steps in time; is `time_step` = {step} s what is meant?")
@@ -34,7 +34,7 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &
     all
 }
 
-/// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`THROUGH`]
+/// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`MAX_INDENTATION_RATIO`]
 /// thicknesses.
 fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<String> {
     let force = match &scene.loading {
@@ -45,7 +45,8 @@ fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<St
     let force = force / model.fingers.len() as f64;
     let topology = &model.fingers.get(side)?.topology;
     let (thickness, size) = (topology.thickness(), Aabb::of(topology.rest.iter().copied()).size().to_array());
-    let depth = indentation(scene, &model.object, side, size, pose).filter(|depth| *depth > THROUGH * thickness)?;
+    let depth = indentation(scene, &model.object, side, size, pose)
+        .filter(|depth| *depth > MAX_INDENTATION_RATIO * thickness)?;
     let young = scene.gripper.like(side).material.spec().young;
     let two = |value: f64| shown(rounded(value, 2));
     Some(format!(

@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::dataset::limit;
 use super::run::pool;
-use super::{Format, NOT_HELD, OK};
+use super::{EXPECTATION_FAILED, Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, replace};
 use base::machine::machine_threads;
@@ -135,7 +135,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
     let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
-    Ok(if good { OK } else { NOT_HELD })
+    Ok(if good { OK } else { EXPECTATION_FAILED })
 }
 
 /// Returns the path of the array file of an object; None without an output folder.

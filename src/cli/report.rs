@@ -4,7 +4,7 @@ use super::console::Console;
 use super::{Format, OK};
 use base::error::Result;
 use base::files::atomic::{create_dir, write_atomic};
-use report::{FRAMES, Wishes, report};
+use report::{FRAMES, ReportOptions, report};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -41,7 +41,7 @@ pub struct ReportArgs {
 /// # Errors
 /// Fails if a folder has no readable results, the model cannot be evaluated, or the page cannot be written.
 pub fn report_page(args: &ReportArgs, console: &dyn Console) -> Result<u8> {
-    let wishes = Wishes {
+    let wishes = ReportOptions {
         model: args.model.clone(),
         split: args.split.clone(),
         grasps: args.grasps,

@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::progress::RunProgress;
 use super::view::{WatchArgs, folder, watched};
-use super::{Format, NOT_HELD, OK, kept, table};
+use super::{EXPECTATION_FAILED, Format, OK, kept, table};
 use backend::simulate::Simulation;
 use base::error::{Error, Result};
 use scene::{Backend, LoadedSet, Overrides, Scene, load_set};
@@ -122,7 +122,7 @@ fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8>
         let out = args.out.as_ref().map(|dir| if several { dir.join(name) } else { dir.clone() });
         let (text, held) = run_object(args, &named.scene, out.as_deref(), console.ends() && !several, console)
             .map_err(|e| set.place(e, &named.name))
-            .map_err(|e| if several { about_object(name, &e) } else { e })?;
+            .map_err(|e| if several { with_object_name(name, &e) } else { e })?;
         good &= held;
         match args.format {
             Format::Text if several => console.print(&format!("object {name}\n{text}\n"))?,
@@ -133,11 +133,11 @@ fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8>
     if several && args.format == Format::Json {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
-    Ok(if good { OK } else { NOT_HELD })
+    Ok(if good { OK } else { EXPECTATION_FAILED })
 }
 
 /// Returns the error with the name of the object that it concerns.
-pub(super) fn about_object(name: &str, error: &Error) -> Error {
+pub(super) fn with_object_name(name: &str, error: &Error) -> Error {
     let text = error.to_string();
     Error::Scene(format!("error: object {name}: {}", text.strip_prefix("error: ").unwrap_or(&text)))
 }

@@ -7,7 +7,7 @@ use super::{Format, OK};
 use base::error::{Error, Result};
 use base::files::lock::is_held;
 use report::view::Viewer;
-use report::{FRAMES, Wishes, holds_results};
+use report::{FRAMES, ReportOptions, holds_results};
 use serde_json::json;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -74,7 +74,7 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     if scene {
         run_args.load()?;
     }
-    let wishes = Wishes { model: args.model.clone(), split: None, grasps: args.grasps, frames: FRAMES };
+    let wishes = ReportOptions { model: args.model.clone(), split: None, grasps: args.grasps, frames: FRAMES };
     let viewer = Viewer::start(out, wishes, args.port)?;
     let address = viewer.address();
     console.print(&match args.format {
@@ -103,7 +103,7 @@ pub(super) fn watched(
     if !args.watch {
         return work();
     }
-    let wishes = Wishes { model: None, split: None, grasps: GRASPS, frames: FRAMES };
+    let wishes = ReportOptions { model: None, split: None, grasps: GRASPS, frames: FRAMES };
     let viewer = Viewer::start(dir.to_path_buf(), wishes, args.port)?;
     let address = viewer.address();
     console.say(&format!("{} is shown at {address}", dir.display()));

@@ -163,7 +163,7 @@ impl ArrayLayout {
 }
 
 /// Largest stored length of a reason, bytes.
-pub const REASON: usize = 256;
+pub const MAX_REASON_BYTES: usize = 256;
 
 macro_rules! arrays {
     ($($row:ident $name:tt $kind:ident $sizes:ident $shape:tt $unit:literal $about:literal;)*) => {
@@ -210,6 +210,6 @@ arrays! {
     Pose (names::GRASP_POSE) F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
     RecordedFrames "recorded_frames" U32 s [] "1" "valid frames of the grasp: the first so many";
     Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped";
-    Reason "reason"         U8  s [REASON] "text" "why the grasp was not reached, UTF-8, padded with zeros";
+    Reason "reason"         U8  s [MAX_REASON_BYTES] "text" "why the grasp was not reached, UTF-8, padded with zeros";
     Checksum "checksum"       U8  s [32] "1" "BLAKE3 of the grasp's rows of all other arrays, in the order of the file";
 }

@@ -12,7 +12,7 @@ use super::rows::Encoder;
 use super::sensitivity::{self, SensitivityRow};
 use super::split::Splits;
 use base::error::{Error, Result};
-use base::files::atomic::{cannot_write, create_dir, remove_left_over, sync_folder, write_durable};
+use base::files::atomic::{cannot_write, create_dir, remove_temporary_files, sync_folder, write_durable};
 use base::files::lock::{FolderLock, Turn};
 use base::interrupt;
 use geometry::mesh::io::{write_stl, write_tet};
@@ -132,7 +132,7 @@ impl Campaign {
             there.unwrap_or(0)
         };
         let open = self.objects.iter().map(|o| o.limit.saturating_sub(taken(o))).fold(0, u64::saturating_add);
-        limits::admit_files(open, &self.dir)
+        limits::require_disk(open, &self.dir)
     }
 
     /// Returns the manifest: that of the finished data set on the disk, otherwise that of the plan.
@@ -189,9 +189,9 @@ impl Campaign {
         }
         progress::remove(&self.dir.join(PROGRESS))?;
         // These temporary files are not part of the data set; a failure to remove them is not an error.
-        let _ = std::fs::remove_file(self.dir.join(LAYING_OUT));
-        remove_left_over(&self.dir.join("dgs_output"));
-        self.objects.iter().for_each(|object| remove_left_over(&self.about(object)));
+        let _ = std::fs::remove_file(self.dir.join(LAYOUT_LOCK));
+        remove_temporary_files(&self.dir.join("dgs_output"));
+        self.objects.iter().for_each(|object| remove_temporary_files(&self.about(object)));
         Ok(self.manifest.clone())
     }
 
@@ -343,7 +343,7 @@ impl Campaign {
     /// Waits until no other part writes the files that all parts share. Otherwise a part that starts at the same time
     /// could rename a half-written file.
     fn turn(&self) -> Result<Turn> {
-        Turn::wait(&self.dir.join(LAYING_OUT), COMMAND)
+        Turn::wait(&self.dir.join(LAYOUT_LOCK), COMMAND)
     }
 
     /// Writes the files of one object, with empty rows, unless they exist. One part does this while the others wait.
@@ -391,7 +391,7 @@ pub(super) const PROGRESS: &str = ".progress";
 /// Name of the command that locks the folder.
 const COMMAND: &str = "tactus dataset";
 /// File that is locked while the manifest is written and an object's files are laid out.
-const LAYING_OUT: &str = ".laying_out";
+const LAYOUT_LOCK: &str = ".laying_out";
 
 fn size(path: &Path) -> Result<u64> {
     let meta = std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be read: {e}"), e.kind()))?;

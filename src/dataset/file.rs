@@ -5,7 +5,7 @@
 //! reading is that of the disk.
 
 use super::arrays::{FORMAT, FileSizes, NumberKind, RowName};
-use super::places::{Places, Seal, vouched_for};
+use super::places::{RowPositions, Seal, is_row_verified};
 use super::progress::Finished;
 use super::rows::{GraspRows, checksum, code};
 use base::error::{Error, Result};
@@ -190,7 +190,7 @@ impl Write for Sparse {
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
-    places: Places,
+    places: RowPositions,
 }
 
 impl Writer {
@@ -200,7 +200,7 @@ impl Writer {
     /// Fails if the file cannot be read or has another layout.
     pub fn open(path: &Path, sizes: &FileSizes) -> Result<Self> {
         let file = File::open_streaming(path).map_err(|e| Error::file(path, e.to_string()))?;
-        Ok(Self { path: path.to_path_buf(), places: Places::find(path, &file, sizes)? })
+        Ok(Self { path: path.to_path_buf(), places: RowPositions::find(path, &file, sizes)? })
     }
 
     /// Returns the BLAKE3 of the layout: the file without any rows.
@@ -229,7 +229,7 @@ impl Writer {
     /// # Errors
     /// Fails if the file cannot be read.
     pub fn seal(&self) -> Result<Seal> {
-        Seal::of(&self.path, self.places.ranges(vouched_for))
+        Seal::of(&self.path, self.places.ranges(is_row_verified))
     }
 
     /// Writes the rows of a grasp and waits until they are on disk.

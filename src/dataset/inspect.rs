@@ -16,7 +16,7 @@ pub const BARS: usize = 20;
 
 /// Selection of the grasps and frames that are inspected.
 #[derive(Debug, Clone, Copy)]
-pub struct Thinning {
+pub struct InspectionSampling {
     /// Step between the inspected grasps of each object; 1 inspects all.
     pub every: usize,
     /// Largest number of inspected frames of a grasp, spread over it and including the last; None inspects all.
@@ -78,7 +78,7 @@ const QUANTITIES: [&str; 6] =
 ///
 /// # Errors
 /// Fails if a picture cannot be written. Damaged data is reported in the result.
-pub fn inspect(set: &DataSet, thinning: Thinning, pictures: Option<&Path>) -> Result<Inspection> {
+pub fn inspect(set: &DataSet, thinning: InspectionSampling, pictures: Option<&Path>) -> Result<Inspection> {
     let mut values = vec![Vec::new(); QUANTITIES.len()];
     let mut damaged: Vec<String> = set.damaged.iter().map(Error::to_string).collect();
     let mut objects = Vec::new();

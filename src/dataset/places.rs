@@ -11,12 +11,12 @@ use std::path::Path;
 /// Start of the rows of each array, bytes from the start of the file, and length of a row, in the order of
 /// [`FileSizes::rows`].
 #[derive(Debug, Clone)]
-pub struct Places {
+pub struct RowPositions {
     grasps: usize,
     rows: Vec<(u64, usize)>,
 }
 
-impl Places {
+impl RowPositions {
     /// Finds the rows of the file at `path`.
     ///
     /// # Errors
@@ -76,7 +76,7 @@ impl Places {
 /// Returns true if rows of this array are verified by the checksum of the grasp whenever they are read. Status and
 /// checksum are excluded: the status of all grasps is read without the other rows, and a checksum does not cover
 /// itself.
-pub fn vouched_for(array: usize) -> bool {
+pub fn is_row_verified(array: usize) -> bool {
     array != RowName::Status as usize && array != RowName::Checksum as usize
 }
 

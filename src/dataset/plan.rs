@@ -1,7 +1,7 @@
 //! Properties of a data set that are fixed before any simulation: names and sizes of its files, and a hash of
 //! everything that determines their content.
 
-use super::arrays::{FileSizes, REASON};
+use super::arrays::{FileSizes, MAX_REASON_BYTES};
 use super::manifest::ObjectEntry;
 use super::split::Splits;
 use base::error::{Error, Result};
@@ -143,7 +143,7 @@ fn file_name(named: &NamedScene) -> String {
 fn fixed_bytes(sizes: &FileSizes, surface: &TriMesh) -> u64 {
     let pad = sizes.pads * 25 * sizes.nodes + 2 * 120 * sizes.tets;
     let object = 24 * surface.vertices.len() + (12 + 50) * surface.triangles.len();
-    (pad + object + (56 + REASON + 512) * sizes.grasps + 65_536) as u64
+    (pad + object + (56 + MAX_REASON_BYTES + 512) * sizes.grasps + 65_536) as u64
 }
 
 /// Hashes everything that determines the content.

@@ -2,7 +2,7 @@
 
 use super::arrays::{ARRAYS, FORMAT, FileSizes, RowName, TactileLayout};
 use super::file::TACTILE;
-use super::places::Places;
+use super::places::RowPositions;
 use super::rows::checksum;
 use base::error::{Error, Result};
 use base::number::counted;
@@ -39,7 +39,7 @@ pub struct ObjectFile {
     pub status: Vec<u8>,
     /// Numeric attributes of the file: material, friction, gravity and others.
     pub numbers: HashMap<String, Vec<f64>>,
-    places: Places,
+    places: RowPositions,
     handles: Mutex<Vec<std::fs::File>>,
 }
 
@@ -149,7 +149,7 @@ impl ObjectFile {
             tets: *tets,
             tactile: tactile.collect::<Result<_>>()?,
         };
-        let places = Places::find(path, &file, &sizes)?;
+        let places = RowPositions::find(path, &file, &sizes)?;
         let triangles = |name: &str| Ok::<_, Error>(integers(name)?.as_chunks::<3>().0.to_vec());
         let points = |name: &str| {
             Ok::<_, Error>(doubles(name)?.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect::<Vec<_>>())

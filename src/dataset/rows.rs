@@ -1,6 +1,6 @@
 //! Encoding of one grasp as rows, frame by frame.
 
-use super::arrays::{ARRAYS, FileSizes, REASON, RowName};
+use super::arrays::{ARRAYS, FileSizes, MAX_REASON_BYTES, RowName};
 use super::compatible::{Mirror, World};
 use geometry::Pose;
 use glam::{DMat4, DVec3};
@@ -104,7 +104,7 @@ impl Encoder {
         rows.integer(RowName::RecordedFrames, 0, frames as u32);
         rows.0[RowName::Status as usize][0] = code(status);
         // Truncated at a character boundary, so that the text remains valid UTF-8.
-        let end = (0..=REASON.min(reason.len())).rev().find(|&i| reason.is_char_boundary(i)).unwrap_or(0);
+        let end = (0..=MAX_REASON_BYTES.min(reason.len())).rev().find(|&i| reason.is_char_boundary(i)).unwrap_or(0);
         rows.0[RowName::Reason as usize][..end].copy_from_slice(&reason.as_bytes()[..end]);
         let hash = checksum(&rows.0);
         rows.0[RowName::Checksum as usize].copy_from_slice(hash.as_bytes());

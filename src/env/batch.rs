@@ -198,7 +198,7 @@ impl BatchEnv {
                     Autoreset::NextStep if env.ended => env.begin(shared, env.key.next()),
                     Autoreset::SameStep => {
                         env.advance(shared, numbers);
-                        env.follow_on(shared);
+                        env.autoreset(shared);
                     }
                     _ => env.advance(shared, numbers),
                 },
@@ -259,7 +259,7 @@ impl BatchEnv {
     /// Converts the result `done` of parallel work; after an interruption, discards all episodes.
     fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
-            self.envs.iter_mut().for_each(Env::abandon);
+            self.envs.iter_mut().for_each(Env::discard_episode);
             return Err(StepError::interrupted());
         }
         done.map_err(|e| StepError::call(e.to_string()))

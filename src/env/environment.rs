@@ -88,7 +88,7 @@ impl Env {
     }
 
     /// Discards the episode; the next reset starts it again.
-    pub fn abandon(&mut self) {
+    pub fn discard_episode(&mut self) {
         *self = Self::new(self.key);
     }
 
@@ -137,7 +137,7 @@ impl Env {
     }
 
     /// Starts the next episode if this one has ended, keeping its last observation, reward and flags in the output.
-    pub fn follow_on(&mut self, shared: &EnvShared) {
+    pub fn autoreset(&mut self, shared: &EnvShared) {
         if !self.ended {
             return;
         }

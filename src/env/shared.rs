@@ -9,7 +9,7 @@ use geometry::Pose;
 use glam::DVec3;
 use model::Model;
 use model::grasp::poses_of;
-use model::sensors::{Sense, SensedHand, sense};
+use model::sensors::{Sense, SensorSetup, sense};
 use scene::leaf::{Count, NonNegative, Positive};
 use scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -85,7 +85,7 @@ impl EnvShared {
         let kinds =
             set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
-        let hand = SensedHand { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
+        let hand = SensorSetup { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
             senses: task.observe.iter().map(|o| sense(o, &hand)).collect(),
@@ -185,7 +185,7 @@ impl ObjectKind {
                 // `shape` (smallest det F and gap of a prediction) is needed for reports only.
                 (model.needs.task, model.needs.shape) = (true, false);
                 model.needs.observe(&task.observe);
-                model.largest_drift = Some(LEASH * task.slip_limit.get());
+                model.largest_drift = Some(DRIFT_FACTOR * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
                 model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
                 // The object is free from the first force level.
@@ -200,7 +200,7 @@ impl ObjectKind {
 
 /// Motion of the object in one step at which it counts as dropped, relative to the accumulated slip that ends an
 /// episode; above 1, because the object may also roll.
-const LEASH: f64 = 2.0;
+const DRIFT_FACTOR: f64 = 2.0;
 
 /// Returns the scene adapted to an environment: the task defines the loads, and only the fields it uses are recorded.
 fn alone(scene: &Scene, task: &Task) -> Result<Scene> {

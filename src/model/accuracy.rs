@@ -29,7 +29,7 @@ const ERROR: f64 = 0.3;
 /// Largest patch size with an influence on the error, in pad thicknesses.
 const REACH: f64 = 1.4;
 /// Stiffness of the foundation over `E / ((1 - nu^2) t)`, from the travel under spheres and cylinders.
-const BED: f64 = 2.1;
+const FOUNDATION: f64 = 2.1;
 /// Number of sample points of the profile along each side of a pad.
 const POINTS: usize = 64;
 /// Largest number of grasps that are evaluated, spread over those of the scene.
@@ -52,7 +52,7 @@ pub struct Choice {
 ///
 /// # Errors
 /// Fails if the object cannot be built or the grasps cannot be found.
-pub fn meshed(scene: &Scene) -> Result<Scene> {
+pub fn with_chosen_mesh(scene: &Scene) -> Result<Scene> {
     let mut scene = scene.clone();
     if scene.gripper.pads.accuracy().is_some() {
         let object = object_of(&scene, &mut Vec::new())?;
@@ -71,7 +71,7 @@ pub fn meshed(scene: &Scene) -> Result<Scene> {
 pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let pads = &scene.gripper.pads;
     let (Some(accuracy), Some(size)) = (pads.accuracy(), pad::extent(pads)) else { return Ok(None) };
-    let bed = Bed::of(scene, size);
+    let bed = WinklerFoundation::of(scene, size);
     let poses = poses_of(scene)?;
     let step = poses.len().div_ceil(GRASPS).max(1);
     let looked_at = poses.iter().enumerate().step_by(step);
@@ -115,7 +115,7 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
 /// m. The gel stiffens under compression, so that beyond a few tenths of the thickness the result is an upper bound.
 pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &Pose) -> Option<f64> {
     let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
-    let bed = Bed::of(&own, size);
+    let bed = WinklerFoundation::of(&own, size);
     let gaps = bed.gaps(object, pose, *closing(scene).get(side)?)?;
     let first = gaps.iter().copied().reduce(f64::min).filter(|first| first.is_finite())?;
     Some(bed.depth(&gaps, first, 4.0 * bed.half.x * bed.half.y / (POINTS * POINTS) as f64))
@@ -150,7 +150,7 @@ impl Patch {
 }
 
 /// Pad as a Winkler foundation.
-struct Bed {
+struct WinklerFoundation {
     hand: Hand,
     half: DVec2,
     /// Depth of each sample of the face below its highest point, m; infinite outside the pad.
@@ -166,13 +166,13 @@ enum Load {
     Depth(f64),
 }
 
-impl Bed {
+impl WinklerFoundation {
     fn of(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
         let half = 0.5 * DVec2::new(x, y);
         let bounds = Aabb { min: (-half).extend(-thickness), max: half.extend(0.0) };
         let hand = Hand::new(bounds, &scene.gripper);
         let spec = scene.gripper.material.spec();
-        let stiffness = BED * spec.young / (1.0 - spec.poisson * spec.poisson) / thickness;
+        let stiffness = FOUNDATION * spec.young / (1.0 - spec.poisson * spec.poisson) / thickness;
         let share = if scene.gripper.fingers == Fingers::Both { 0.5 } else { 1.0 };
         let load = match &scene.loading {
             Loading::Squeeze(squeeze) => Load::Volume(share * squeeze.force.get() / stiffness),
@@ -272,9 +272,9 @@ impl Bed {
 mod tests {
     use super::*;
 
-    fn bed(load: Load) -> Bed {
+    fn bed(load: Load) -> WinklerFoundation {
         let hand = Hand::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, &scene::Gripper::default());
-        Bed { hand, half: DVec2::new(12e-3, 10e-3), sunk: Vec::new(), load }
+        WinklerFoundation { hand, half: DVec2::new(12e-3, 10e-3), sunk: Vec::new(), load }
     }
 
     /// Distances of a surface from the pad, given as heights over the face.

@@ -45,11 +45,11 @@ pub struct Support {
 
 /// Smallest stiffness of a vertex contact with the ground over m / d, with the object mass m and the contact offset d,
 /// m/s2: ten times standard gravity, so that the object under its weight compresses the offset by a tenth.
-const FIRM: f64 = 10.0 * 9.81;
+const MIN_GROUND_STIFFNESS: f64 = 10.0 * 9.81;
 /// Smallest stiffness of a vertex contact with the ground over m / dt^2, with the object mass m and the time step dt:
 /// an impact then ends within a step without rebound (a vertex leaves with about the reciprocal of this times its
 /// speed).
-const INELASTIC: f64 = 100.0;
+const MIN_IMPACT_STIFFNESS: f64 = 100.0;
 
 /// Tangential stiffness of a sticking vertex over its normal stiffness: the displacement at which friction reaches its
 /// limit is also the slip under a suddenly applied load.
@@ -77,7 +77,8 @@ impl Dynamics {
             support: scene.ground.map(|Ground::Plane(plane)| {
                 let normal = plane.normal.unit();
                 let lowest = || object.surface.vertices.iter().map(|v| normal.dot(*v)).fold(f64::INFINITY, f64::min);
-                let stiffness = mass * (FIRM / offset).max(INELASTIC / (time_step * time_step));
+                let stiffness =
+                    mass * (MIN_GROUND_STIFFNESS / offset).max(MIN_IMPACT_STIFFNESS / (time_step * time_step));
                 Support {
                     normal,
                     height: plane.height.map_or_else(|| lowest() - offset, |h| h.get()),

@@ -25,7 +25,7 @@ pub use push::PushLoad;
 use crate::grasp::object_of;
 use crate::judge::Auditor;
 use crate::part::{FingerModel, object};
-use crate::sensors::{Sense, SensedHand};
+use crate::sensors::{Sense, SensorSetup};
 use base::error::{Error, Result};
 use base::number::shown;
 use geometry::Aabb;
@@ -108,7 +108,7 @@ pub struct DropLimits {
 }
 
 /// Force at which an object with weight is released over the final force.
-const LIFTED: f64 = 0.5;
+const HEAVY_RELEASE_RATIO: f64 = 0.5;
 
 impl Model {
     /// Builds the object and meshes the pads.
@@ -159,7 +159,7 @@ impl Model {
         let audit = || Arc::new(Auditor::new(&scene.promises(), &scaled, &object, &fingers, offset));
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
-        let hand = SensedHand { fingers: &fingers, stroke, force: f64::INFINITY };
+        let hand = SensorSetup { fingers: &fingers, stroke, force: f64::INFINITY };
         let senses = scene.record.tactile.iter().map(|observe| sensors::sense(observe, &hand)).collect();
         let mut model = Self {
             release: 0.0,
@@ -264,13 +264,13 @@ impl Model {
     }
 
     /// Returns true if the object is held in place first and released at [`Model::release`].
-    pub fn lets_go(&self) -> bool {
+    pub fn is_released_later(&self) -> bool {
         self.force_driven && self.free && self.dynamics.is_none()
     }
 
     /// Returns true if the object is still held in place at the force `force` per finger, N.
     pub fn holds(&self, force: f64) -> bool {
-        self.lets_go() && force < self.release
+        self.is_released_later() && force < self.release
     }
 
     /// Returns the force per finger at which the contact on every pad has grown from points to a patch, N.
@@ -284,7 +284,7 @@ impl Model {
     fn released_at(&self, loading: &Loading) -> f64 {
         let Loading::Squeeze(squeeze) = loading else { return 0.0 };
         let last = self.levels.last().copied().unwrap_or(0.0);
-        let lifted = if self.gravity.is_some() { LIFTED * last } else { 0.0 };
+        let lifted = if self.gravity.is_some() { HEAVY_RELEASE_RATIO * last } else { 0.0 };
         let given = squeeze.release.map(|force| force.get() / self.fingers.len().max(1) as f64);
         given.unwrap_or(self.contact_force().max(lifted)).min(last)
     }

@@ -94,7 +94,7 @@ pub fn admit(need: u64, pad: PadSize) -> Result<()> {
 ///
 /// # Errors
 /// Returns [`Error::File`] with the sizes and the remedy.
-pub fn admit_files(need: u64, dir: &Path) -> Result<()> {
+pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
             let message = format!(

@@ -4,7 +4,7 @@ use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::recording::{Errors, RecordedState, Recording};
 use super::run::name;
-use super::source::Wishes;
+use super::source::ReportOptions;
 use super::unfinished::unfinished;
 use base::error::{Error, Result};
 use base::number::counted;
@@ -35,7 +35,7 @@ const ABSOLUTE: [(&str, &str); 5] = [
 ///
 /// # Errors
 /// Fails if the data set or the model cannot be read, or if the data is outside of the training range of the model.
-pub fn data_set(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
+pub fn data_set(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<()> {
     if let Some(manifest) = Manifest::read(dir)?
         && !manifest.finished
     {
@@ -104,14 +104,14 @@ pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Rec
 
 /// Returns the tables and charts of the network; adds recordings of grasps ranging from the best to the worst to the
 /// page.
-fn judged(set: &DataSet, model: &Path, wishes: &Wishes, page: &mut Page) -> Result<Vec<PageBlock>> {
+fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     let judged = judge(set, &predictor, &split, false)?;
     let table = rows(&split, &judged);
     let mut ranked: Vec<&Judged> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
     ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));
-    for (at, role) in roles(ranked.len(), wishes.grasps) {
+    for (at, role) in example_ranks(ranked.len(), wishes.grasps) {
         page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
     }
     let (stress, displacement) = ranks(&judged);
@@ -152,7 +152,7 @@ fn last(judged: &Judged) -> f64 {
 
 /// Returns ranks among `count` ranked grasps with their roles: one is the median, two are median and worst, more are
 /// spread evenly from the best to the worst.
-fn roles(count: usize, wanted: usize) -> Vec<(usize, String)> {
+fn example_ranks(count: usize, wanted: usize) -> Vec<(usize, String)> {
     let Some(end) = count.checked_sub(1) else { return Vec::new() };
     let places: Vec<usize> = match wanted.min(count) {
         0 => Vec::new(),
@@ -276,12 +276,12 @@ fn worst(ranked: &[&Judged]) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::roles;
+    use super::example_ranks;
 
     #[test]
     fn few_grasps_stand_for_many() {
         let of = |count, wanted| {
-            roles(count, wanted).into_iter().map(|(at, role)| format!("{at} {role}")).collect::<Vec<_>>()
+            example_ranks(count, wanted).into_iter().map(|(at, role)| format!("{at} {role}")).collect::<Vec<_>>()
         };
         assert_eq!(of(9, 1), ["4 median"]);
         assert_eq!(of(9, 2), ["4 median", "8 worst"]);

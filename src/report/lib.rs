@@ -22,7 +22,7 @@ pub mod view;
 pub use chart::Chart;
 pub use page::{Page, PageBlock, Section};
 pub use recording::{Errors, RecordedState, Recording};
-pub use source::{FRAMES, Wishes, holds_results};
+pub use source::{FRAMES, ReportOptions, holds_results};
 
 use base::error::{Error, Result};
 use source::{Source, sources};
@@ -33,7 +33,7 @@ use std::path::PathBuf;
 /// # Errors
 /// Fails if a folder has no results, if results cannot be read, or if there is a model but no data set to evaluate it
 /// on.
-pub fn report(dirs: &[PathBuf], wishes: &Wishes) -> Result<Page> {
+pub fn report(dirs: &[PathBuf], wishes: &ReportOptions) -> Result<Page> {
     let found = dirs.iter().map(|dir| sources(dir)).collect::<Result<Vec<_>>>()?.concat();
     if let Some(model) = &wishes.model
         && !found.iter().any(|source| matches!(source, Source::Data(_)))

@@ -2,7 +2,7 @@
 
 use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
-use super::source::Wishes;
+use super::source::ReportOptions;
 use base::error::Result;
 use base::number::counted;
 use base::table::Table;
@@ -15,7 +15,7 @@ use world::run::grasp_files::directory;
 ///
 /// # Errors
 /// Fails if the folder has no readable `run.json`. Frames that cannot be shown result in a note on the page.
-pub fn run(dir: &Path, wishes: &Wishes, page: &mut Page) -> Result<()> {
+pub fn run(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<()> {
     let report = read::run_report(dir)?;
     let mut blocks = vec![PageBlock::Table(grasps(&report))];
     if !report.expectations.is_empty() {
@@ -47,7 +47,7 @@ pub fn name(dir: &Path) -> String {
     whole.file_name().unwrap_or(whole.as_os_str()).to_string_lossy().into_owned()
 }
 
-fn recordings(dir: &Path, report: &RunReport, wishes: &Wishes) -> Result<Vec<Recording>> {
+fn recordings(dir: &Path, report: &RunReport, wishes: &ReportOptions) -> Result<Vec<Recording>> {
     let shown: Vec<usize> = report.grasps.iter().filter(|g| g.frames > 0).map(|g| g.grasp).collect();
     let shown: Vec<usize> = chosen(shown.len(), Some(wishes.grasps)).into_iter().map(|i| shown[i]).collect();
     if shown.is_empty() || report.pads.is_empty() {

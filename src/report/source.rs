@@ -11,7 +11,7 @@ pub const FRAMES: usize = 25;
 
 /// Options of a report.
 #[derive(Debug, Clone)]
-pub struct Wishes {
+pub struct ReportOptions {
     /// Folder of a trained model to be evaluated on the data sets.
     pub model: Option<PathBuf>,
     /// Split of the data sets; None uses that of the model, or `poses` without a model.
@@ -38,9 +38,9 @@ pub enum Source {
 }
 
 /// File name that identifies a kind of results.
-type Mark = (&'static str, fn(PathBuf) -> Source);
+type ResultFile = (&'static str, fn(PathBuf) -> Source);
 
-const MARKS: [Mark; 5] = [
+const RESULT_FILES: [ResultFile; 5] = [
     ("bench.json", Source::Bench),
     ("sizes.json", Source::Sizes),
     (MANIFEST, Source::Data),
@@ -76,7 +76,7 @@ pub fn holds_results(dir: &Path) -> bool {
 }
 
 fn in_folder(dir: &Path) -> Vec<Source> {
-    let found = MARKS.iter().filter(|(name, _)| dir.join(name).is_file());
+    let found = RESULT_FILES.iter().filter(|(name, _)| dir.join(name).is_file());
     found.map(|(_, source)| source(dir.to_path_buf())).collect()
 }
 
@@ -85,7 +85,7 @@ impl Source {
     pub fn written(&self) -> Option<u64> {
         let (Source::Bench(dir) | Source::Sizes(dir) | Source::Run(dir) | Source::Data(dir) | Source::Training(dir)) =
             self;
-        let (name, _) = MARKS.iter().find(|(_, source)| source(dir.clone()) == *self)?;
+        let (name, _) = RESULT_FILES.iter().find(|(_, source)| source(dir.clone()) == *self)?;
         let date = std::fs::metadata(dir.join(name)).and_then(|meta| meta.modified()).ok()?;
         date.duration_since(UNIX_EPOCH).ok().map(|since| since.as_secs())
     }

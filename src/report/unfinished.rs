@@ -3,7 +3,7 @@
 use super::evaluation::truth;
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
-use super::source::Wishes;
+use super::source::ReportOptions;
 use base::number::counted;
 use base::table::Table;
 use dataset::inspect::chosen;
@@ -12,7 +12,7 @@ use record::Status;
 use std::path::Path;
 
 /// Adds the unfinished data set in `dir`. Grasps that cannot be read yet are skipped.
-pub fn unfinished(dir: &Path, manifest: &Manifest, wishes: &Wishes, page: &mut Page) {
+pub fn unfinished(dir: &Path, manifest: &Manifest, wishes: &ReportOptions, page: &mut Page) {
     let mut table = Table::new("Objects", &["object", "grasps", "ended", "reached"]);
     let (mut ended, mut shown) = (0, Vec::new());
     for object in &manifest.objects {

@@ -19,7 +19,7 @@ pub(super) struct Diagnosis {
 }
 
 /// Fields of former versions, and their replacements.
-const FORMER: [(&str, &str); 1] = [(
+const RENAMED_FIELDS: [(&str, &str); 1] = [(
     "attach_distance",
     "of version 0.1; now the rule `bonded`: write `bonded: Plane(within: ...)` with the same distance",
 )];
@@ -90,7 +90,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             (named(&message, end, text, outline), whole(text, here, outline))
         }
         Ron::NoSuchStructField { expected, found, outer } => {
-            let former = FORMER.iter().find(|(name, _)| name == found).map(|(_, now)| now.to_string());
+            let former = RENAMED_FIELDS.iter().find(|(name, _)| name == found).map(|(_, now)| now.to_string());
             let help = former.unwrap_or_else(|| allowed(found, expected));
             (format!("unknown field `{}`{}\n{help}", clipped(found), of(outer)), refused)
         }

@@ -1,7 +1,7 @@
 //! Environment: a world and its schedule. Environments share only the [`Model`], so any number may run in parallel.
 
 use crate::Stepper;
-use crate::schedule::{CurrentGrasp, HandedOver, Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::schedule::{CurrentGrasp, FallbackReason, Phase, Recorded, Shared, StepSet, Timings, schedule};
 use crate::spawn::{begin, spawn};
 use crate::systems::audit::Audited;
 use base::error::{Error, Result};
@@ -91,7 +91,7 @@ impl Environment {
 
     /// Returns the reason why this grasp fell back from the network to finite elements; None if it did not.
     pub fn handed_over(&self) -> Option<&str> {
-        self.world.get_resource::<HandedOver>().map(|reason| reason.0.as_str())
+        self.world.get_resource::<FallbackReason>().map(|reason| reason.0.as_str())
     }
 
     /// Returns the time that the stepper has spent so far, by stage.

@@ -43,7 +43,7 @@ impl StepSet {
         [StepSet::Control, StepSet::Sense, StepSet::Advance, StepSet::Accept, StepSet::Measure, StepSet::Record];
 }
 
-/// Phase of a grasp in the procedure. It is constant during a step; `turn_phase` advances it at the end.
+/// Phase of a grasp in the procedure. It is constant during a step; `advance_phase` advances it at the end.
 #[derive(Resource, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Phase {
     /// The object is placed at its pose in the open hand.
@@ -199,7 +199,7 @@ pub struct Timings {
 
 /// Reason why this grasp fell back from the network to finite elements.
 #[derive(Resource, Debug, Clone)]
-pub struct HandedOver(pub String);
+pub struct FallbackReason(pub String);
 
 /// The last recorded frame.
 #[derive(Resource, Debug, Default)]

@@ -2,7 +2,8 @@
 
 use crate::components::*;
 use crate::schedule::{
-    BalanceReport, CurrentGrasp, ForceCommand, HandedOver, Next, Phase, Recorded, Shared, StepLoad, StepReport, Timings,
+    BalanceReport, CurrentGrasp, FallbackReason, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport,
+    Timings,
 };
 use crate::systems::audit::Audited;
 use bevy_ecs::component::{Component, Mutable};
@@ -74,7 +75,7 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
     fill(world, GroundWrench::default());
     fill(world, HandPose { position: pose.position, rotation: pose.rotation });
     world.remove_resource::<ForceCommand>();
-    world.remove_resource::<HandedOver>();
+    world.remove_resource::<FallbackReason>();
     world.insert_resource(Shared(model.clone()));
     world.insert_resource(CurrentGrasp(pose));
     world.insert_resource(Phase::Place);

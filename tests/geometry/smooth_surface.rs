@@ -111,7 +111,7 @@ fn a_surface_turns_with_its_object() {
 fn flat_faces_stay() {
     let prism = ShapeKind::Prism { sides: 6, radius: 0.02, height: 0.04 }.build(8).unwrap();
     let (shape, why) = prism.with_suitable_surface(6e-4);
-    assert!(!shape.is_drawn() && why.is_some_and(|why| why.contains("flat faces")));
+    assert!(!shape.has_display_mesh() && why.is_some_and(|why| why.contains("flat faces")));
     let ball = ShapeKind::Sphere { radius: 0.02 }.build(32).unwrap();
     let ball = Shape::from_mesh((*ball.surface).clone()).unwrap();
     let (shape, _) = ball.with_suitable_surface(6e-4);

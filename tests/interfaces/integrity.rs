@@ -156,7 +156,7 @@ fn kept_responses_are_bounded_and_shared_by_those_that_make_them_at_once() {
     std::thread::scope(|scope| {
         for _ in 0..4 {
             scope.spawn(|| {
-                let kept = PadGraph::keeping(finger, LAYOUT, Some(&cache)).unwrap().compliance;
+                let kept = PadGraph::with_cache(finger, LAYOUT, Some(&cache)).unwrap().compliance;
                 assert!(kept.response[..] == fresh.response[..]);
             });
         }
@@ -171,7 +171,7 @@ fn kept_responses_are_bounded_and_shared_by_those_that_make_them_at_once() {
     large("old.pad", 2000);
     large("new.pad", 1000);
     std::fs::remove_file(cache.path(&key(finger))).unwrap();
-    PadGraph::keeping(finger, LAYOUT, Some(&cache)).unwrap();
+    PadGraph::with_cache(finger, LAYOUT, Some(&cache)).unwrap();
     assert_eq!(files(dir.path()), [cache.path(&key(finger)), dir.path().join("new.pad")]);
     let held: u64 = files(dir.path()).iter().map(|f| f.metadata().unwrap().len()).sum();
     assert!(held <= MOST, "{held} bytes are kept, allowed {MOST}");
@@ -528,7 +528,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     std::fs::write(begun.join("checkpoint.bin"), &own[1]).unwrap();
     let (ball, pose) = ball(made);
     let cache = ComplianceCache::at(dir.path().join("kept"));
-    let graph = PadGraph::keeping(&ball.fingers[0], LAYOUT, Some(&cache)).unwrap();
+    let graph = PadGraph::with_cache(&ball.fingers[0], LAYOUT, Some(&cache)).unwrap();
     let kept = cache.path(&key(&ball.fingers[0]));
     let features =
         GraspFeatures::new(&ball, &std::sync::Arc::new(graph.clone()), &GeometricContact::find(&ball, pose).unwrap());

@@ -8,7 +8,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use tactus::report::Wishes;
+use tactus::report::ReportOptions;
 use tactus::report::view::Viewer;
 
 pub fn tactus(arguments: &[&str]) -> Output {
@@ -206,7 +206,7 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
     assert_ne!(altered, svg);
     std::fs::write(bench.join("bench.svg"), &altered).unwrap();
     good(&["report", text(&bench), "-o", text(&page)]);
-    let viewer = Viewer::start(bench, Wishes { model: None, split: None, grasps: 1, frames: 1 }, 0).unwrap();
+    let viewer = Viewer::start(bench, ReportOptions { model: None, split: None, grasps: 1, frames: 1 }, 0).unwrap();
     let host = viewer.address().trim_start_matches("http://").trim_end_matches('/').to_string();
     let mut connection = TcpStream::connect(&host).unwrap();
     write!(connection, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();

@@ -275,7 +275,7 @@ impl Scene {
         Departure::new(Arc::new(self.state.clone()), 0, &self.rigid, step)
     }
 
-    /// Moves every coordinate at random by up to `drag`, those of nodes by up to a fifth of it.
+    /// Moves every coordinate at random by up to `nonsymmetric_traction`, those of nodes by up to a fifth of it.
     fn shake(&mut self, drag: f64, random: &mut Random) {
         let n = 3 * self.body.rest.len();
         for c in 0..self.size() {
@@ -496,7 +496,7 @@ impl Covered {
 }
 
 /// Checks the contact term on random scenes in which no point is near a change of state (contact, branch, slip), where
-/// the second derivative jumps. `friction` is the coefficient, `drag` the motion after the anchors are set, m.
+/// the second derivative jumps. `friction` is the coefficient, `nonsymmetric_traction` the motion after the anchors are set, m.
 fn check_contact(friction: f64, drag: f64) -> Covered {
     let objects: [Arc<dyn SignedDistance>; 2] =
         [Arc::new(Sphere { radius: 0.8 }), Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) })];
@@ -826,7 +826,7 @@ fn hand(random: &mut Random) -> Pose {
     Pose { position: random.vector(), rotation: random.rotation() }
 }
 
-/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `drag`.
+/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `nonsymmetric_traction`.
 fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Pose, &mut Random) -> T) -> (Scene, T, TimeStep) {
     let mut random = Random(seed);
     let mut scene = Scene::new(seed % 2 == 1, &mut random);

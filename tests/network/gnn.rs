@@ -10,7 +10,7 @@ use tactus::geometry::Pose;
 use tactus::mech::body::{Body, Elements};
 use tactus::model::Model;
 use tactus::model::part::FingerModel;
-use tactus::net::infer::force_ladder::ForceLadder;
+use tactus::net::infer::force_ladder::ForceInterpolation;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
@@ -212,7 +212,7 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
         predictor.look(&model, &predictor.graph(&model).unwrap(), &GeometricContact::find(&model, pose).unwrap());
     let high = predictor.card.range.force[1] * seen.unit_force();
     let low = high / 7.0;
-    let ladder = ForceLadder::new(&predictor, &seen, low, high).unwrap();
+    let ladder = ForceInterpolation::new(&predictor, &seen, low, high).unwrap();
     for part in [0.03, 0.21, 0.5, 0.77, 0.99] {
         let force = low + part * (high - low);
         let (own, known) = (predictor.at(&seen, force).unwrap(), ladder.at(force, DVec3::ZERO).unwrap());

@@ -4,12 +4,12 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::net::autodiff::ops::{
-    Activation, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, root_error, share,
-    sum, von_mises,
+    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, product, reshape, respond,
+    root_error, share, sum, von_mises,
 };
 use tactus::net::autodiff::real::Real;
 use tactus::net::autodiff::tape::{Matrix, Tape};
-use tactus::net::linear_response::balance::{ObjectBalance, Pressed};
+use tactus::net::linear_response::balance::{ObjectBalance, PadLoad};
 use tactus::net::linear_response::compliance::Compliance;
 use tactus::net::linear_response::deviator::{Deviator, PARTS};
 use tactus::net::matrix::Sparse;
@@ -106,7 +106,7 @@ fn balances() {
                 let at = DVec3::new(unit() - 0.5, unit() - 0.5, 0.0);
                 (rotation * at + DVec3::X * x, unit())
             };
-            Pressed { force, rotation, nodes: (0..4).map(|_| node()).collect() }
+            PadLoad { force, rotation, nodes: (0..4).map(|_| node()).collect() }
         };
         let pads = [pad(-3.0, DMat3::from_rotation_y(1.5)), pad(3.0, DMat3::from_rotation_y(-1.6))];
         Arc::new(ObjectBalance::new(&pads, [DVec3::new(0.1, 0.2, 0.3), DVec3::Y]))
@@ -128,7 +128,7 @@ fn linear_responses() {
     let pad = Arc::new(Compliance::from_parts(slot, response.clone().into(), forces, deviator));
     check!("response", &[(11, 6)], |t, p| respond(t, &pad, &p[0]));
     check!("displacement", &[(11, 6)], |t, p| displaced(t, &pad, &p[0]));
-    check!("stress", &[(11, 6)], |t, p| deviated(t, &pad, &p[0]));
+    check!("stress", &[(11, 6)], |t, p| deviatoric_stress(t, &pad, &p[0]));
     let force = Matrix::constant(11, 6, constants::<f64>(&mut random, 66));
     let moved = respond(&Tape::silent(), &pad, &force);
     let dense = Matrix::constant(6, 6, (0..36).map(|i| f64::from(response[i % 6 * 6 + i / 6])).collect());

@@ -11,7 +11,7 @@ use tactus::net::features::GraspFeatures;
 use tactus::net::linear_response::GraspLoad;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
-use tactus::net::linear_response::projected_gradient::{Touching, projected_contact};
+use tactus::net::linear_response::projected_gradient::{ContactNode, projected_contact};
 use tactus::scene::from_ron;
 
 const SCENE: &str = r#"Scene(
@@ -158,7 +158,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
                 }
             }
             let (load, force) = (loads.load[level], loads.load[level].force);
-            let [weight, torque] = features.equilibrium.hangs(&features.equilibrium.rest(&load), &load);
+            let [weight, torque] = features.equilibrium.load_about_midpoint(&features.equilibrium.rest(&load), &load);
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
             // Torsional friction about the closing axis is limited.
@@ -273,14 +273,14 @@ fn the_response_of_the_refined_pad_is_softer_under_its_force() {
 
 /// Returns the contact of a ball pressed into the centre of a pad and dragged sideways, with a tangential force of
 /// `slip` times Coulomb's limit.
-fn dragged(graph: &PadGraph, slip: f64) -> Vec<Touching> {
+fn dragged(graph: &PadGraph, slip: f64) -> Vec<ContactNode> {
     let t = graph.thickness;
     let touching = |(x, node, area): (DVec3, u32, f64)| {
         let pressed = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
         let dragged = if pressed > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
         let push = 2.0 * pressed.max(0.0);
         let force = (DVec3::NEG_Z * push + DVec3::X * FRICTION * slip * push) * area;
-        Touching { node: node as usize, normal: DVec3::NEG_Z, pressed, dragged, force }
+        ContactNode { node: node as usize, normal: DVec3::NEG_Z, pressed, dragged, force }
     };
     let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
     nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect()

@@ -11,7 +11,7 @@ use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
 use tactus::model::grasp::poses_of;
 use tactus::model::{Model, accuracy};
-use tactus::record::error_norm::{Distance, Points, Probe};
+use tactus::record::error_norm::{Distance, FieldInterpolation, Points};
 use tactus::record::{Frame, Status};
 use tactus::scene::leaf::Fraction;
 use tactus::scene::pad::GelSightMini;
@@ -105,7 +105,7 @@ fn squeeze(object: &str, force: f64, accuracy: f64) -> Scene {
 
 /// Spacing (m) and focus of the chosen mesh.
 fn chosen(scene: &Scene) -> (f64, f64) {
-    match accuracy::meshed(scene).unwrap().gripper.pads {
+    match accuracy::with_chosen_mesh(scene).unwrap().gripper.pads {
         Pads::GelSightMini(g) => {
             assert_eq!(g.accuracy, None);
             (g.spacing.unwrap().get(), g.focus.get())
@@ -137,12 +137,13 @@ fn meshes_get_finer_with_smaller_accuracy_sharper_objects_and_less_force() {
 /// Relative error of the displacement in the last frame of the first grasp against a mesh of half the spacing, and the
 /// number of nodes of a pad.
 fn against_twice_as_fine(scene: &Scene) -> (f64, usize) {
-    let scene = accuracy::meshed(scene).unwrap();
+    let scene = accuracy::with_chosen_mesh(scene).unwrap();
     let mut finer = scene.clone();
     finer.gripper.pads = coarser(&scene.gripper.pads, 0.5).unwrap();
     let ((own, frame), (truth, exact)) = (last(&scene), last(&finer));
     let points = Points::of(&truth.fingers[0].topology);
-    let fields = |model: &Model, frame: &Frame| Probe::new(&points, &model.fingers[0].topology).fields(frame);
+    let fields =
+        |model: &Model, frame: &Frame| FieldInterpolation::new(&points, &model.fingers[0].topology).fields(frame);
     let error = Distance::of(&points, &fields(&own, &frame), &fields(&truth, &exact)).displacement;
     (error, own.fingers[0].body.rest.len())
 }

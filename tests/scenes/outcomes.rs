@@ -13,7 +13,7 @@ use tactus::mech::material::NeoHookean;
 use tactus::mech::newton::Failure;
 use tactus::mech::newton::effort::{Effort, most_iterations};
 use tactus::mech::path::Load;
-use tactus::mech::path::continuation::WholePads;
+use tactus::mech::path::continuation::FullPads;
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::judge::evaluate;
@@ -120,14 +120,14 @@ fn a_solver_out_of_effort_stops_where_it_was() {
     let mut press = Press::new(Setup { body, object, start: DVec3::Z * 0.01, friction: 0.0 });
     let before = press.path.state.clone();
     press.path.newton.effort.iterations = 3;
-    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut WholePads).unwrap_err(), Failure::Effort(3));
+    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut FullPads).unwrap_err(), Failure::Effort(3));
     assert_eq!((press.path.newton.profile.iterations, press.path.level), (3, 0.0));
     assert_eq!(press.path.state, before);
     press.path.newton.effort = Effort::within(Some(1e-9));
-    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut WholePads).unwrap_err(), Failure::Time(1e-9));
+    assert_eq!(press.path.advance(Load::Travel, 1e-3, &mut FullPads).unwrap_err(), Failure::Time(1e-9));
     assert_eq!(press.path.state, before);
     press.path.newton.effort = Effort::default();
-    press.path.advance(Load::Travel, 1e-4, &mut WholePads).expect("and may go on when it is given more");
+    press.path.advance(Load::Travel, 1e-4, &mut FullPads).expect("and may go on when it is given more");
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Load levels of a grasp: first contact if needed, the load, and the fall-back from condensed to full pads.
 
 use super::stepper::GraspSolver;
-use base::scales::DROPPED;
+use base::scales::DROP_DISTANCE;
 use glam::DVec3;
 use mech::newton::Failure;
 use mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
-use mech::path::continuation::WholePads;
-use mech::path::grasp_place::GraspPlace;
+use mech::path::continuation::FullPads;
+use mech::path::grasp_place::GraspLimits;
 use mech::path::{Advanced, Load};
 use model::push::FIRST_PART;
 use model::{DropLimits, Model};
@@ -14,7 +14,7 @@ use world::components::ObjectPose;
 use world::schedule::{StepLoad, Stop};
 
 /// Number of steps in which the weight of an object passes from its support to the fingers.
-const HANDOVER: u32 = 4;
+const WEIGHT_STEPS: u32 = 4;
 
 /// Fraction of the contact pressure at the Coulomb limit from which on an object without equilibrium under a push
 /// slips.
@@ -85,7 +85,7 @@ impl GraspSolver {
         self.path.place = model.dropped_after.map(|after| self.place(model, after));
         if self.path.newton.object_fixed && level >= model.release {
             done.add(self.load(model, load, model.release)?);
-            done.add(self.let_go(model)?);
+            done.add(self.release_object(model)?);
         }
         let at = if push > 0.0 {
             done.add(self.push(model, level, push)?);
@@ -94,7 +94,7 @@ impl GraspSolver {
             done.add(self.load(model, load, level)?);
             at(load, level)
         };
-        if !self.is_upright() {
+        if !self.has_no_near_inversion() {
             let reason = format!("{at}: an element of a condensed pad turns inside out");
             return Err(Refusal::Condensed(Stop::fault(reason)));
         }
@@ -109,11 +109,11 @@ impl GraspSolver {
     }
 
     /// Returns the region that the object may not leave.
-    fn place(&self, model: &Model, after: DropLimits) -> GraspPlace {
+    fn place(&self, model: &Model, after: DropLimits) -> GraspLimits {
         let ObjectPose { position, rotation } = self.progress.start;
         let faces = model.fingers.iter().map(|finger| finger.placement.origin);
         let center = faces.sum::<DVec3>() / model.fingers.len().max(1) as f64;
-        GraspPlace { position, rotation, center, distance: after.distance, angle: after.angle }
+        GraspLimits { position, rotation, center, distance: after.distance, angle: after.angle }
     }
 
     /// Makes contact at a force of at most `most` (N per finger), with the object held fixed.
@@ -134,12 +134,12 @@ impl GraspSolver {
     }
 
     /// Releases the object; its weight, if any, passes step by step from its support to the fingers.
-    fn let_go(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
+    fn release_object(&mut self, model: &Model) -> std::result::Result<Advanced, Refusal> {
         self.path.newton.object_fixed = false;
         let heavy = model.gravity.is_some();
         let largest_drift = self.path.largest_drift;
-        self.path.largest_drift = heavy.then_some(DROPPED * model.offset);
-        let steps = if heavy { HANDOVER } else { 1 };
+        self.path.largest_drift = heavy.then_some(DROP_DISTANCE * model.offset);
+        let steps = if heavy { WEIGHT_STEPS } else { 1 };
         let mut done = Advanced::default();
         for k in 1..=steps {
             self.hand_over(f64::from(k) / f64::from(steps));
@@ -192,7 +192,7 @@ impl GraspSolver {
     fn follow(&mut self, model: &Model, load: Load, level: f64) -> std::result::Result<Advanced, Failure> {
         match &mut self.condensed {
             Some(pads) => self.path.advance(load, level, &mut pads.of(model)),
-            None => self.path.advance(load, level, &mut WholePads),
+            None => self.path.advance(load, level, &mut FullPads),
         }
     }
 

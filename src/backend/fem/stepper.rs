@@ -67,7 +67,7 @@ impl Stepper for FemStepper {
             c.error.get(),
             model.release
         );
-        model.lets_go().then_some(notice).into_iter().collect()
+        model.is_released_later().then_some(notice).into_iter().collect()
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
@@ -221,7 +221,7 @@ impl GraspSolver {
         // No tighter than the accepted error of condensed pads.
         let blunt = match self.settings.solver {
             scene::Solver::Condensed(c) if self.condensed.is_some() => {
-                (BLUNT * c.error.get() / given.force.get()).max(1.0)
+                (CONDENSED_TOLERANCE * c.error.get() / given.force.get()).max(1.0)
             }
             _ => 1.0,
         };
@@ -287,7 +287,7 @@ impl GraspSolver {
     pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position);
-        let far = match model.free && moved > SLIPPING * model.object.bounding_radius {
+        let far = match model.free && moved > REPORTED_MOTION * model.object.bounding_radius {
             true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
             // Whether it would have reached equilibrium is unknown.
             true => format!("; the object {} on the way", self.moved()),
@@ -298,20 +298,20 @@ impl GraspSolver {
 }
 
 /// Fraction of the allowed path error that one increment may have: the errors of all increments add up.
-const BEND: f64 = 0.5;
+const INCREMENT_ERROR: f64 = 0.5;
 /// Travel of the first increment of a press, over the thickness of the pad.
-const TOUCH: f64 = 0.01;
+const FIRST_TRAVEL: f64 = 0.01;
 
 /// Returns the control of the increments; None if the path error is not controlled.
 fn control(model: &Model) -> Option<PathControl> {
-    let first = if model.force_driven { model.contact_force() } else { TOUCH * model.thickness() };
-    model.path_error.map(|error| PathControl { bend: BEND * error, first })
+    let first = if model.force_driven { model.contact_force() } else { FIRST_TRAVEL * model.thickness() };
+    model.path_error.map(|error| PathControl { bend: INCREMENT_ERROR * error, first })
 }
 
 /// Relative force tolerance of condensed pads, over their accepted error.
-const BLUNT: f64 = 0.05;
+const CONDENSED_TOLERANCE: f64 = 0.05;
 /// Motion of a free object, over its radius, above which the message of a failed solve mentions it.
-const SLIPPING: f64 = 0.1;
+const REPORTED_MOTION: f64 = 0.1;
 
 /// Returns the terms of a full gel under dead `loads` (N per node; empty for none).
 pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {

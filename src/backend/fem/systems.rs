@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use world::components::*;
 use world::schedule::{BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached};
-use world::systems::apart::keep_pads_apart;
+use world::systems::apart::reject_pad_overlap;
 use world::systems::inversion::inverted;
 use world::systems::measure::measure_balance;
 use world::systems::sense::close_to_contact;
@@ -47,7 +47,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     if needs.contact_force {
         schedule.add_systems(measure_nodal_force.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
-    schedule.add_systems(refuse_inversion.run_if(reached).after(keep_pads_apart).in_set(StepSet::Accept));
+    schedule.add_systems(refuse_inversion.run_if(reached).after(reject_pad_overlap).in_set(StepSet::Accept));
     if needs.stress {
         schedule.add_systems(measure_stress.run_if(reached).in_set(StepSet::Measure));
     }

@@ -18,7 +18,7 @@ impl GraspSolver {
 
     /// Returns true unless an element of condensed pads is close to inversion; condensed pads have no barrier against
     /// it.
-    pub(crate) fn is_upright(&self) -> bool {
+    pub(crate) fn has_no_near_inversion(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
             !self.path.state.x.par_iter().enumerate().any(|(i, x)| is_crushed(pads.pad(i).body(), x))

@@ -96,7 +96,7 @@ fn reserve(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Removes temporary files of killed processes from `dir`; to be called only by the sole writer of the folder.
-pub fn remove_left_over(dir: &Path) {
+pub fn remove_temporary_files(dir: &Path) {
     let Ok(entries) = std::fs::read_dir(dir) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();

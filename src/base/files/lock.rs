@@ -3,7 +3,7 @@
 //! A file lock of the operating system is released when the process ends. On file systems without locks a [`LockFile`]
 //! replaces it.
 
-use super::atomic::{cannot_write, create_dir, remove_left_over};
+use super::atomic::{cannot_write, create_dir, remove_temporary_files};
 use super::lock_file::LockFile;
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -18,12 +18,12 @@ pub const LOCK: &str = ".lock";
 /// Lock on a folder, held until dropped; it is released however the process ends.
 #[derive(Debug)]
 pub struct FolderLock {
-    holding: Holding,
+    holding: LockKind,
 }
 
 /// Implementation of the lock.
 #[derive(Debug)]
-enum Holding {
+enum LockKind {
     /// File lock of the operating system on `path`.
     System { path: PathBuf, alone: bool, _file: File },
     /// Lock file used instead.
@@ -38,7 +38,7 @@ impl FolderLock {
     /// Fails if another process holds the lock (the message states its id), or if the folder cannot be written.
     pub fn alone(dir: &Path, command: &str) -> Result<Self> {
         let lock = Self::take(dir, command, true)?;
-        remove_left_over(dir);
+        remove_temporary_files(dir);
         Ok(lock)
     }
 
@@ -52,12 +52,12 @@ impl FolderLock {
 
     fn take(dir: &Path, command: &str, alone: bool) -> Result<Self> {
         create_dir(dir)?;
-        Ok(Self { holding: Holding::take(dir, command, alone)? })
+        Ok(Self { holding: LockKind::take(dir, command, alone)? })
     }
 
     /// Returns a notice for the user if the lock is not one of the operating system.
     pub fn notice(&self) -> Option<String> {
-        let Holding::File { file, reason } = &self.holding else { return None };
+        let LockKind::File { file, reason } = &self.holding else { return None };
         Some(format!(
             "{}: the file system has no locks ({reason}); this file stands in their place while the command runs, and must be deleted \
              by hand if the command is killed and the next one runs on another machine",
@@ -66,7 +66,7 @@ impl FolderLock {
     }
 }
 
-impl Holding {
+impl LockKind {
     fn take(dir: &Path, command: &str, alone: bool) -> Result<Self> {
         let path = dir.join(LOCK);
         let fail = |e: &std::io::Error| cannot_write(&path, e);
@@ -107,7 +107,7 @@ impl Drop for FolderLock {
         // Removed before the lock is released; a process that acquires it afterwards checks that its file still has
         // this name. Shared locks keep the file for the other holders, and Windows keeps a name until the last handle
         // is closed.
-        if let Holding::System { path, alone: true, .. } = &self.holding
+        if let LockKind::System { path, alone: true, .. } = &self.holding
             && cfg!(unix)
         {
             let _ = std::fs::remove_file(path);
@@ -125,7 +125,7 @@ pub enum Turn {
 }
 
 /// Maximum waiting time for locks that the operating system does not release with their process.
-const LONGEST_TURN: Duration = Duration::from_secs(600);
+const LOCK_TIMEOUT: Duration = Duration::from_secs(600);
 
 impl Turn {
     /// Waits for the lock of `command` on the file `path`, which is created and not removed.
@@ -140,7 +140,7 @@ impl Turn {
             Err(e) if has_no_locks(&e) => {}
             Err(e) => return Err(cannot_write(path, &e)),
         }
-        let until = Instant::now() + LONGEST_TURN;
+        let until = Instant::now() + LOCK_TIMEOUT;
         loop {
             match LockFile::take(path, command, true) {
                 Ok(file) => return Ok(Self::File(file)),

@@ -24,7 +24,7 @@ pub enum SurfacePart {
 
 /// Position of a triangle relative to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TriangleView {
+pub enum TrianglePosition {
     /// Triangle out of range.
     Beyond,
     /// Triangle whose back faces the point: the other side of a thin ridge.
@@ -35,7 +35,7 @@ pub enum TriangleView {
 
 /// Adjacency of the triangles of a surface.
 #[derive(Debug, Clone, Default)]
-pub struct Rings {
+pub struct TriangleAdjacency {
     corners: Vec<[u32; 3]>,
     /// Edges of each triangle; edge `i` runs from its corner `i` to its corner `i + 1`, or back.
     edges: Vec<[u32; 3]>,
@@ -51,7 +51,7 @@ pub struct Rings {
     closed: Vec<bool>,
 }
 
-impl Rings {
+impl TriangleAdjacency {
     /// Builds the adjacency of triangles given by their vertices.
     pub fn new(corners: Vec<[u32; 3]>) -> Self {
         let count = corners.iter().flatten().max().map_or(0, |v| *v as usize + 1);
@@ -133,16 +133,16 @@ impl Rings {
         &self,
         own: u32,
         nearest: TrianglePart,
-        view: impl Fn(u32) -> TriangleView,
+        view: impl Fn(u32) -> TrianglePosition,
         along: impl Fn(u32, usize) -> TrianglePart,
     ) -> Vec<(SurfacePart, f64)> {
         let mut found = Vec::new();
         for t in self.ring(own) {
-            match if t == own { TriangleView::At(nearest) } else { view(t) } {
-                TriangleView::Beyond => {}
-                TriangleView::At(part) => found.push((t, part)),
+            match if t == own { TrianglePosition::At(nearest) } else { view(t) } {
+                TrianglePosition::Beyond => {}
+                TrianglePosition::At(part) => found.push((t, part)),
                 // At a thin ridge only the closest part interacts.
-                TriangleView::Behind => return Vec::new(),
+                TrianglePosition::Behind => return Vec::new(),
             }
         }
         if found.len() < 2 {

@@ -51,7 +51,7 @@ pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
 
 /// Flips triangles so that all triangles of a shell are oriented consistently, as the majority of them, where that is
 /// possible. Returns the number of flipped triangles. Indices must be valid.
-pub fn agree(mesh: &mut TriMesh) -> usize {
+pub fn orient_consistently(mesh: &mut TriMesh) -> usize {
     let sides = sides(mesh);
     let mut across = vec![[None; 3]; mesh.triangles.len()];
     for group in sides.chunk_by(|x, y| x.ends == y.ends) {

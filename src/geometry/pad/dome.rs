@@ -44,7 +44,7 @@ fn profile(axis: usize, at: f64) -> f64 {
 
 /// Returns the fraction by which the depth along the other axis is reduced at the distance `at` from the centre: 0 at
 /// the centre, 1 at the rim.
-fn swallowed(axis: usize, at: f64) -> f64 {
+fn suppression(axis: usize, at: f64) -> f64 {
     if at <= KNEE[axis] {
         COUPLING * profile(axis, at)
     } else {
@@ -57,6 +57,6 @@ fn swallowed(axis: usize, at: f64) -> f64 {
 /// RIM].
 pub fn depth(x: f64, y: f64) -> f64 {
     let (x, y) = (x.abs(), y.abs());
-    let blended = profile(0, x) + profile(1, y) - swallowed(0, x) * swallowed(1, y) / COUPLING;
+    let blended = profile(0, x) + profile(1, y) - suppression(0, x) * suppression(1, y) / COUPLING;
     blended.clamp(0.0, RIM)
 }

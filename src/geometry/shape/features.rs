@@ -65,16 +65,16 @@ impl Ridge {
     }
 
     /// Divides the edge into sections, each at most `length` m long.
-    fn stretches(&self, length: f64) -> impl Iterator<Item = Stretch> {
+    fn stretches(&self, length: f64) -> impl Iterator<Item = RidgeSection> {
         let (ridge, count) = (*self, parts(self.length(), length));
         let at = move |i: u32| f64::from(i) / f64::from(count);
-        (0..count).map(move |i| Stretch { ridge, from: at(i), to: at(i + 1) })
+        (0..count).map(move |i| RidgeSection { ridge, from: at(i), to: at(i + 1) })
     }
 }
 
 /// Section of a ridge on which the point of closest approach to a pad may lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub struct RidgeSection {
     /// Complete ridge.
     pub ridge: Ridge,
     /// Parameter of the ridge at the start of the section, in 0..1.
@@ -83,7 +83,7 @@ pub struct Stretch {
     pub to: f64,
 }
 
-impl Stretch {
+impl RidgeSection {
     /// Returns the point at the parameter `t` in 0..=1 of the section, m.
     pub fn point(&self, t: f64) -> DVec3 {
         self.ridge.point(self.from + t * (self.to - self.from)).position
@@ -171,14 +171,14 @@ impl SurfaceFeatures {
 
     /// Returns, in sections of at most `length` m, the sharp edges and those blunt edges that a pad could penetrate by
     /// more than a fraction of the contact `offset` (m): an edge of the pad may cross them between its vertices.
-    pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = Stretch> {
-        let blunt = self.blunt(length, offset);
+    pub fn stretches(&self, length: f64, offset: f64) -> impl Iterator<Item = RidgeSection> {
+        let blunt = self.relevant_blunt_edges(length, offset);
         self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
     }
 
     /// Returns the blunt edges to be tested if `length` (m) of them may lie between the samples of a pad: those where
     /// the penetration, an eighth of that length times the angle between the faces, exceeds `EDGE_CUT` contact offsets.
-    fn blunt(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
+    fn relevant_blunt_edges(&self, length: f64, offset: f64) -> impl Iterator<Item = &Ridge> {
         let cuts = move |e: &&Ridge| e.angle * e.length().min(length) / 8.0 > EDGE_CUT * offset;
         self.blunt_edges.iter().filter(cuts)
     }
@@ -188,7 +188,7 @@ impl SurfaceFeatures {
     pub fn count(&self, spacing: f64, offset: f64) -> u64 {
         let along = |e: &Ridge, spacing: f64| u64::from(parts(e.length(), spacing));
         let sharp = self.sharp_edges.iter().map(|e| along(e, 0.5 * spacing) + along(e, spacing)).sum::<u64>();
-        let blunt = self.blunt(spacing, offset).map(|e| along(e, spacing)).sum::<u64>();
+        let blunt = self.relevant_blunt_edges(spacing, offset).map(|e| along(e, spacing)).sum::<u64>();
         self.vertices.len() as u64 + sharp + blunt
     }
 

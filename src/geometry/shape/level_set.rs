@@ -22,13 +22,13 @@ const BAND: f64 = 1.0;
 const SUPPORT: f64 = 2.0;
 /// Lower bound of the distance of a point beyond the band, over the width of the band, which is measured to first
 /// order.
-const NEARER: f64 = 0.5;
+const MIN_OUTSIDE: f64 = 0.5;
 /// Smallest gradient norm of the spline at which a closest point is computed; the norm is 1 where the spline is a
 /// distance.
-const STEEP: f64 = 0.3;
+const MIN_GRADIENT: f64 = 0.3;
 /// Step of the closest-point iteration, over the spacing, at which it has converged: the next one would be of the size
 /// of rounding errors.
-const FOUND: f64 = 1e-8;
+const CONVERGED: f64 = 1e-8;
 /// Maximum number of iterations for a closest point.
 const STEPS: usize = 12;
 
@@ -121,7 +121,7 @@ impl LevelSet {
     /// As [`LevelSet::project`], given the spline's values at `q`.
     fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, Closest)> {
         let slope = jet.gradient.length_squared();
-        if slope < STEEP * STEEP || jet.value.abs() > 2.0 * BAND * self.spacing {
+        if slope < MIN_GRADIENT * MIN_GRADIENT || jet.value.abs() > 2.0 * BAND * self.spacing {
             return None;
         }
         // Newton's method for the minimum of |c - q|^2 / 2 subject to level(c) = 0, with the Lagrange multiplier
@@ -138,7 +138,7 @@ impl LevelSet {
             }
             (c, lambda) = (c + step, lambda + change);
             jet = self.jet(c)?;
-            if step.length() <= FOUND * self.spacing {
+            if step.length() <= CONVERGED * self.spacing {
                 break;
             }
         }
@@ -146,7 +146,7 @@ impl LevelSet {
         let normal = jet.gradient / size;
         let distance = (q - c).dot(normal);
         // The tangential part of q - c is the remaining error.
-        if size < STEEP || (q - c - distance * normal).length() > 1e-6 * self.spacing {
+        if size < MIN_GRADIENT || (q - c - distance * normal).length() > 1e-6 * self.spacing {
             return None;
         }
         let tangent = DMat3::IDENTITY - outer(normal);
@@ -251,7 +251,7 @@ impl SignedDistance for LevelSet {
         let base = self.base.closest(q, max + self.deviation)?;
         // A lower bound of the distance: the surface may be nearer than that of `base` by the deviation, but not within
         // the band.
-        let size = (base.distance.abs() - self.deviation).max(NEARER * BAND * self.spacing);
+        let size = (base.distance.abs() - self.deviation).max(MIN_OUTSIDE * BAND * self.spacing);
         let distance = size.copysign(self.height(q).unwrap_or(base.distance));
         (distance < max).then_some(Closest { distance, ..base })
     }

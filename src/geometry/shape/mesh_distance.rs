@@ -5,26 +5,26 @@
 //! the start of each search and rejects distant points by the Lipschitz bound, without a traversal of the tree.
 
 use crate::mesh::TriMesh;
-use crate::mesh::rings::{Rings, SurfacePart, TrianglePart, TriangleView};
+use crate::mesh::rings::{SurfacePart, TriangleAdjacency, TrianglePart, TrianglePosition};
 use crate::shape::bvh::Bvh;
 use crate::shape::facet::Facet;
 use crate::shape::lattice::Lattice;
 use crate::shape::topology::Topology;
-use crate::shape::{Closest, Hit, SignedDistance, SurfaceTouch, outer};
+use crate::shape::{Closest, ContactPoints, Hit, SignedDistance, outer};
 use base::error::Result;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// Distance below which the direction from the closest point is dominated by rounding, m; the gradient is then the
 /// pseudo-normal.
-const TOUCHING: f64 = 1e-12;
+const COINCIDENT: f64 = 1e-12;
 
 /// Signed distance to a closed, outward-wound triangle mesh.
 #[derive(Debug)]
 pub struct MeshDistance {
     mesh: Arc<TriMesh>,
     topology: Topology,
-    rings: Rings,
+    rings: TriangleAdjacency,
     bvh: Bvh,
     /// Index of the facet of each triangle.
     facet: Vec<u32>,
@@ -48,7 +48,7 @@ impl MeshDistance {
         let bvh = Bvh::new(facets);
         let mut facet = vec![0; mesh.triangles.len()];
         bvh.facets.iter().zip(0..).for_each(|(f, i)| facet[f.triangle as usize] = i);
-        let rings = Rings::new(mesh.triangles.clone());
+        let rings = TriangleAdjacency::new(mesh.triangles.clone());
         let mut lattice = Lattice::over(bvh.bounds());
         let this = Self { mesh, topology, rings, bvh, facet, lattice: Lattice::over(Default::default()) };
         lattice.fill(|q, seed| {
@@ -86,7 +86,7 @@ impl MeshDistance {
         let away = q - point;
         let (length, inside) = (away.length(), away.dot(pseudo) < 0.0);
         let distance = if inside { -length } else { length };
-        let normal = if length < TOUCHING { pseudo } else { away / distance };
+        let normal = if length < COINCIDENT { pseudo } else { away / distance };
         Closest { distance, normal, curvature: DMat3::ZERO }
     }
 
@@ -128,9 +128,9 @@ impl MeshDistance {
         let view = |t: u32| {
             let other = &self.bvh.facets[self.facet[t as usize] as usize];
             match other.nearest_within(q, felt * felt) {
-                (squared, _) if squared >= felt * felt => TriangleView::Beyond,
-                (_, TrianglePart::Face) if other.n.dot(q - other.origin) < 0.0 => TriangleView::Behind,
-                (_, part) => TriangleView::At(other.in_mesh(part)),
+                (squared, _) if squared >= felt * felt => TrianglePosition::Beyond,
+                (_, TrianglePart::Face) if other.n.dot(q - other.origin) < 0.0 => TrianglePosition::Behind,
+                (_, part) => TrianglePosition::At(other.in_mesh(part)),
             }
         };
         let along = |t, i| self.along(q, t, i).1;
@@ -183,10 +183,10 @@ impl SignedDistance for MeshDistance {
         Some(self.signed_within(q, max)?.0)
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<SurfaceTouch> {
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
         let (nearest, facet) = self.signed_within(q, max)?;
         let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
-        Some(SurfaceTouch { nearest, beside })
+        Some(ContactPoints { nearest, beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -39,7 +39,7 @@ mod topology;
 pub(crate) mod winding;
 
 pub use family::ShapeKind;
-pub use features::{FeaturePoint, Ridge, RoundedEdge, Stretch, SurfaceFeatures};
+pub use features::{FeaturePoint, Ridge, RidgeSection, RoundedEdge, SurfaceFeatures};
 pub use mass::MassProperties;
 pub use mesh_distance::MeshDistance;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
@@ -65,7 +65,7 @@ pub struct Closest {
 /// Surface points that interact with a query point: the closest point of the surface and, near a concave edge, those of
 /// the other incident faces.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SurfaceTouch {
+pub struct ContactPoints {
     /// Closest point.
     pub nearest: Closest,
     /// Other points within range, each with its weight in the sum over all points (-1 where the incident faces meet);
@@ -73,7 +73,7 @@ pub struct SurfaceTouch {
     pub beside: Vec<(Closest, f64)>,
 }
 
-impl SurfaceTouch {
+impl ContactPoints {
     /// Returns all points with their weights, the closest first.
     pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
         std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
@@ -93,8 +93,8 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
     fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
     /// Returns the closest point if its signed distance is below `max`, and the other points that interact within the
     /// distance `felt`. By default there are none, which is correct for a smooth surface.
-    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<SurfaceTouch> {
-        self.closest(q, max).map(|nearest| SurfaceTouch { nearest, beside: Vec::new() })
+    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<ContactPoints> {
+        self.closest(q, max).map(|nearest| ContactPoints { nearest, beside: Vec::new() })
     }
     /// Returns the first entry into the object of the ray from `origin` along `direction` (any length > 0), at `t >= 0`
     /// metres. None if the ray misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.

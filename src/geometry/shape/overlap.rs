@@ -50,9 +50,9 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
                 let other = &winding.bvh.facets[j as usize];
                 let triangles = [one.triangle, other.triangle];
                 let Some(place) = meeting(mesh, triangles) else { return };
-                if astray(&winding, place, [one.n, other.n], deep) {
+                if has_invalid_winding(&winding, place, [one.n, other.n], deep) {
                     worst = Some(Overlap { triangles, place });
-                } else if astray(&winding, place, [one.n, other.n], shallow) {
+                } else if has_invalid_winding(&winding, place, [one.n, other.n], shallow) {
                     count += 1;
                 }
             });
@@ -78,7 +78,7 @@ impl Overlaps {
             "two parts of the surface overlap"
         };
         Some(format!(
-            "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that made it",
+            "{what}: its triangles {} and {} (0-based) cross near {}; remove_ambiguous_faces its parts in the program that made it",
             triangles[0],
             triangles[1],
             show(place)
@@ -86,9 +86,9 @@ impl Overlaps {
     }
 }
 
-/// Returns true if the winding number is neither 0 nor 1 at the distance `away` (m) from the point `place`, where two
+/// Returns true if the winding number is neither 0 nor 1 at the distance `distance_bound` (m) from the point `place`, where two
 /// facets with the normals `n` intersect, in one of the four wedges between them.
-fn astray(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
+fn has_invalid_winding(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
     wedges.into_iter().filter(|d| d.length() > 1e-3).any(|d| {
         let q = place + away * d.normalize();

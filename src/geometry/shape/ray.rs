@@ -13,7 +13,7 @@ pub struct Hit {
 }
 
 /// Distance at which the ray has reached the surface, m.
-const ARRIVED: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
 /// Length beyond which a ray misses the object, m: no object is longer.
 const FAR: f64 = 1e5;
 
@@ -27,16 +27,16 @@ pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DV
     for _ in 0..20_000 {
         let c = shape.closest(origin + t * dir, f64::INFINITY)?;
         let entering = c.normal.dot(dir) < 0.0;
-        if c.distance.abs() <= ARRIVED && entering && (outside || t == 0.0) {
+        if c.distance.abs() <= TOLERANCE && entering && (outside || t == 0.0) {
             return Some(Hit { t, normal: c.normal });
         }
-        outside |= c.distance > ARRIVED;
-        if outside && c.distance < -ARRIVED {
+        outside |= c.distance > TOLERANCE;
+        if outside && c.distance < -TOLERANCE {
             // A step crosses the surface only by rounding, so this is the entry.
             return Some(Hit { t, normal: c.normal });
         }
         // The minimum step ensures progress where the ray leaves the object or runs along its surface.
-        t += c.distance.abs().max(ARRIVED);
+        t += c.distance.abs().max(TOLERANCE);
         if t > FAR {
             return None;
         }
@@ -53,12 +53,12 @@ pub fn trace_convex<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direct
     for _ in 0..200 {
         let c = shape.closest(origin + t * dir, f64::INFINITY)?;
         let rate = -c.normal.dot(dir);
-        if rate <= 0.0 || (t == 0.0 && c.distance < -ARRIVED) || t > FAR {
+        if rate <= 0.0 || (t == 0.0 && c.distance < -TOLERANCE) || t > FAR {
             return None;
         }
         let step = c.distance / rate;
         t += step.max(0.0);
-        if c.distance <= ARRIVED && step <= ARRIVED.max(4.0 * f64::EPSILON * t) {
+        if c.distance <= TOLERANCE && step <= TOLERANCE.max(4.0 * f64::EPSILON * t) {
             return Some(Hit { t, normal: c.normal });
         }
     }

@@ -1,6 +1,6 @@
 //! Uniformly scaled shape.
 
-use crate::shape::{Closest, Hit, SignedDistance, SurfaceTouch};
+use crate::shape::{Closest, ContactPoints, Hit, SignedDistance};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -26,10 +26,10 @@ impl SignedDistance for Scaled {
         self.inner.closest(q / self.factor, max / self.factor).map(|c| self.magnified(c))
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<SurfaceTouch> {
+    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
         let touch = self.inner.touch(q / self.factor, max / self.factor, felt / self.factor)?;
         let beside = touch.beside.into_iter().map(|(c, weight)| (self.magnified(c), weight)).collect();
-        Some(SurfaceTouch { nearest: self.magnified(touch.nearest), beside })
+        Some(ContactPoints { nearest: self.magnified(touch.nearest), beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

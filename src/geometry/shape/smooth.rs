@@ -47,7 +47,7 @@ const RADIUS: f64 = 2.0;
 const ROUNDED: f64 = 1.0;
 /// Width of a flat face, over the radius, from which on its edges are edges of the object, not artefacts of a
 /// triangulation.
-const WIDE: f64 = 2.0;
+const MIN_FACE_WIDTH: f64 = 2.0;
 /// Number of times that the radius is halved before the facets are kept.
 const HALVINGS: u32 = 3;
 /// Largest number of grid cells along an object.
@@ -55,7 +55,7 @@ const CELLS: f64 = 512.0;
 
 impl Shape {
     /// Returns true if the mesh is only for display, with vertices on the true surface.
-    pub fn is_drawn(&self) -> bool {
+    pub fn has_display_mesh(&self) -> bool {
         !matches!(self.definition, SurfaceDefinition::Facets)
     }
 
@@ -120,7 +120,7 @@ impl Shape {
         if self.aabb.size().max_element() > CELLS * radius {
             return (self.clone(), Some("it is too large for a grid as fine as the pads".into()));
         }
-        if is_polyhedron(&self.surface, WIDE * radius) {
+        if is_polyhedron(&self.surface, MIN_FACE_WIDTH * radius) {
             return (self.clone(), Some("flat faces meet at its edges".into()));
         }
         for _ in 0..=HALVINGS {

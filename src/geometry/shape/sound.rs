@@ -2,7 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::mesh::facets::drop_back_to_back;
-use crate::mesh::shells::{agree, flat_shell, orient, shells};
+use crate::mesh::shells::{flat_shell, orient, orient_consistently, shells};
 use crate::mesh::topology::watertight;
 use crate::shape::overlap::overlaps;
 use crate::shape::repair::repair;
@@ -41,7 +41,7 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
             counted(pairs, "pair")
         ));
     }
-    let odd = agree(mesh);
+    let odd = orient_consistently(mesh);
     if odd > 0 {
         news.push(format!("turned {} that disagreed with its neighbours", counted(odd, "triangle")));
     }

@@ -53,7 +53,7 @@ impl SinglePrecisionFactor {
 
     /// Computes the unknowns `x` before the last `size`, which are given, without load on the others: the back
     /// substitution of a solve.
-    pub fn follow_last(&self, x: &mut [f32], size: usize) {
+    pub fn back_substitute(&self, x: &mut [f32], size: usize) {
         let (Some(factor), unknowns) = (self.supernodal(), x.len() - size) else { return };
         x[..unknowns].fill(0.0);
         Arch::new().dispatch(Backward { factor, unknowns, x });
@@ -212,7 +212,7 @@ mod tests {
         let size = wanted.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         assert!(apart(&found) < 1e-5 * size, "{} of {size} m", apart(&found));
         found[..last].fill(7.0);
-        rounded.follow_last(&mut found, 3);
+        rounded.back_substitute(&mut found, 3);
         assert!(apart(&found) < 1e-5 * size, "{} of {size} m", apart(&found));
     }
 }

@@ -7,7 +7,7 @@ use super::nearby::{BULGE, Nearby, motion};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
-use base::scales::{DISTANCES_STALE, FACE_KEPT, FEATURES_LISTED};
+use base::scales::{DISTANCE_UPDATE_MOTION, FACE_HYSTERESIS, VERTEX_LIST_RADIUS};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -86,8 +86,8 @@ impl GapBounds {
 
     /// Returns `closest_point` with the sign of the gap that the bounds allow. Where a face is folded over or a fold is
     /// closed, the surface intersects itself and may give the wrong side. Contact has this `offset` (m).
-    pub fn sided(&self, closest_point: ClosestPoint, offset: f64) -> ClosestPoint {
-        let slack = FACE_KEPT * offset;
+    pub fn with_valid_sign(&self, closest_point: ClosestPoint, offset: f64) -> ClosestPoint {
+        let slack = FACE_HYSTERESIS * offset;
         let possible = |gap: f64| self.least - slack <= gap && gap <= self.most + slack;
         if possible(closest_point.gap) || !possible(-closest_point.gap) {
             closest_point
@@ -114,11 +114,12 @@ impl CandidateList {
         place: impl Fn(usize) -> DVec3,
     ) {
         let moved = self.moved(x);
-        if moved.looked > DISTANCES_STALE * self.offset {
+        if moved.looked > DISTANCE_UPDATE_MOTION * self.offset {
             let away = |i: usize| {
                 let y = place(i);
                 let near = self.bounds(i, y, moved);
-                let least = bounds.outside(surface, x, y, |closest_point| near.sided(closest_point, self.offset));
+                let least =
+                    bounds.outside(surface, x, y, |closest_point| near.with_valid_sign(closest_point, self.offset));
                 GapBounds { at: y, least, most: f64::INFINITY }
             };
             let features = (0..count).map(away).collect();
@@ -136,7 +137,7 @@ impl CandidateList {
     pub fn list(&mut self, view: &BodyView, radius: f64, matter: impl Fn(usize) -> bool) {
         let all = self.last.features.iter().enumerate();
         let features = all
-            .filter(|(i, bounds)| bounds.within(FEATURES_LISTED * self.offset) || matter(*i))
+            .filter(|(i, bounds)| bounds.within(VERTEX_LIST_RADIUS * self.offset) || matter(*i))
             .map(|(i, _)| i)
             .collect();
         self.nearby = Arc::new(Nearby::new(features, view, radius));
@@ -154,7 +155,7 @@ impl CandidateList {
     /// Returns the listed vertices, ascending, if under `view` no other one can be nearer than `reach` (m).
     pub fn nearby(&self, view: &BodyView, reach: f64) -> Option<&[usize]> {
         let moved = self.nearby.moved(view);
-        (moved + reach <= FEATURES_LISTED * self.offset).then_some(&self.nearby.list)
+        (moved + reach <= VERTEX_LIST_RADIUS * self.offset).then_some(&self.nearby.list)
     }
 
     /// Largest motions of the nodes of the pad, which are at `x` now.
@@ -179,7 +180,7 @@ mod tests {
         let then = GapBounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
         let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
         let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
-        let gap = |gap: f64| now.sided(ClosestPoint::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
+        let gap = |gap: f64| now.with_valid_sign(ClosestPoint::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
         assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");
         // Neither side is possible: the sign of the surface is kept.
         assert_eq!(gap(-5e-5), -5e-5, "m");

@@ -42,11 +42,11 @@ impl EdgeState {
     /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and fixed
     /// limit.
     pub fn friction_energy(&self, law: &ContactLaw, s: DVec3) -> f64 {
-        law.engaged(self.share).friction_energy(s, self.limit)
+        law.with_active_fraction(self.share).friction_energy(s, self.limit)
     }
 
     /// Sticking point, if friction acts.
-    pub fn sticks(&self) -> Option<DVec3> {
+    pub fn sticking_point(&self) -> Option<DVec3> {
         self.anchor.filter(|_| self.limit > 0.0)
     }
 

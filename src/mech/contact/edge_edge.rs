@@ -4,8 +4,8 @@
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
-use base::scales::{DEEPEST, DEEPEST_LENGTH};
-use geometry::shape::Stretch;
+use base::scales::{DEEPEST_LENGTH, LARGEST_PENETRATION};
+use geometry::shape::RidgeSection;
 use glam::DVec3;
 
 /// The point of an edge segment that is deepest in the pad, object frame, m; None if none is deeper than `least` (m).
@@ -13,12 +13,13 @@ pub(crate) fn deepest(
     bounds: &FaceBounds,
     surface: &ContactSurface,
     view: &BodyView,
-    stretch: &Stretch,
+    stretch: &RidgeSection,
     least: f64,
 ) -> Option<DVec3> {
     // Branch and bound: the distance changes no faster than the point moves, so that parts which cannot contain a
     // deeper point are skipped. Lengths are those of the arc, which is slightly longer than its chord.
-    let [reach, deep, fine] = [bounds.at_once(), DEEPEST * bounds.offset, DEEPEST_LENGTH * bounds.offset];
+    let [reach, deep, fine] =
+        [bounds.cell_radius(), LARGEST_PENETRATION * bounds.offset, DEEPEST_LENGTH * bounds.offset];
     let length = ARC * stretch.length();
     let mut best = (-least, None);
     let mut parts = vec![(0.0, 1.0)];

@@ -7,7 +7,7 @@ use super::edge_edge::deepest;
 use super::gap_hessian::bend;
 use super::incident_faces::IncidentFace;
 use super::law::ContactLaw;
-use super::pair::{feature_pair, friction_pair, slip, weighed};
+use super::pair::{feature_pair, friction_pair, project_weighted, slip};
 use super::pool::EdgePool;
 use super::project::FaceBounds;
 use super::site::Site;
@@ -19,8 +19,8 @@ use crate::potential::state::{BodyMotion, BodyView, Departure};
 use crate::potential::term::{Assembly, BodyTerm, Stencil};
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
-use base::scales::FEATURE_MOVES;
-use geometry::shape::Stretch;
+use base::scales::VERTEX_MOVE_PENETRATION;
+use geometry::shape::RidgeSection;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::cell::LazyCell;
@@ -34,20 +34,20 @@ pub struct Feature {
     /// Flag: the point is on a sharp edge or corner; else it is a vertex of a smooth surface.
     pub sharp: bool,
     /// Segment of an edge along which the vertex may move.
-    pub along: Option<Stretch>,
+    pub along: Option<RidgeSection>,
 }
 
 impl Feature {
     /// Creates a contact vertex that moves to the deepest point of an edge segment in a pad, so that the edge does not
     /// penetrate between fixed samples. It starts at a third of the segment, where no fixed sample is.
-    pub fn along(stretch: Stretch) -> Self {
+    pub fn along(stretch: RidgeSection) -> Self {
         Self { position: stretch.point(1.0 / 3.0), sharp: false, along: Some(stretch) }
     }
 
     /// Law of this vertex. Vertices of a smooth surface have a reduced contact offset: the pad's own points carry that
     /// contact.
     fn law(&self, law: &ContactLaw) -> ContactLaw {
-        if self.sharp { *law } else { law.late() }
+        if self.sharp { *law } else { law.with_reduced_offset() }
     }
 }
 
@@ -127,11 +127,11 @@ impl FeatureContact {
         }
         let faces = faces();
         faces.incident(&self.surface, x, near.at, reach, self.sites[i].last(stays), |closest_point| {
-            near.sided(closest_point, faces.offset)
+            near.with_valid_sign(closest_point, faces.offset)
         })
     }
 
-    /// Sticking point of vertex `i` on the pad, and its displacement from the vertex plus `drag`, m.
+    /// Sticking point of vertex `i` on the pad, and its displacement from the vertex plus `nonsymmetric_traction`, m.
     fn stretch(&self, i: usize, drag: Option<DVec3>, view: &BodyView) -> Option<(&Stencil, DVec3)> {
         let (drag, site) = (drag?, &self.sites[i]);
         let stick = &site.touch.as_ref()?.stick;
@@ -159,7 +159,7 @@ impl BodyTerm for FeatureContact {
                 .iter()
                 .map(|(closest_point, weight, _)| weight * law.normal_energy(closest_point.gap, e.scale));
             energy += self.area * energies.sum::<f64>();
-            if let Some((_, stretch)) = self.stretch(i, e.sticks(), view) {
+            if let Some((_, stretch)) = self.stretch(i, e.sticking_point(), view) {
                 let s = slip(stretch, e.plane);
                 energy += self.area * e.friction_energy(&self.pool.law, s);
             }
@@ -186,7 +186,7 @@ impl BodyTerm for FeatureContact {
                 if e.pressure > 0.0 {
                     let pair = feature_pair(&law, &e, weight * self.area, arm, curvature, how.project);
                     let place = self.surface.faces[closest_point.face].stencil(closest_point.l);
-                    block.add_pair(body, view, &place, &weighed(pair, *weight, how.project));
+                    block.add_pair(body, view, &place, &project_weighted(pair, *weight, how.project));
                     let force = e.pressure * weight * self.area;
                     let bent = (how.sharp && block.wants_hessian() && !how.project)
                         .then(|| bend(&self.surface.faces[closest_point.face], view.x, closest_point, force))
@@ -196,7 +196,7 @@ impl BodyTerm for FeatureContact {
                     }
                 }
             }
-            if let Some((stick, s)) = self.stretch(i, e.sticks(), view) {
+            if let Some((stick, s)) = self.stretch(i, e.sticking_point(), view) {
                 let pair = friction_pair(&self.pool.law, &e, self.area, s, arm, how);
                 block.add_pair(body, view, stick, &pair);
             }
@@ -205,14 +205,14 @@ impl BodyTerm for FeatureContact {
         if anew {
             let radius = self.sites.iter().map(|site| site.position.length()).fold(0.0, f64::max);
             let pool = &self.pool;
-            self.candidates.list(view, radius, |i| pool.edge(i).sticks().is_some());
+            self.candidates.list(view, radius, |i| pool.edge(i).sticking_point().is_some());
         }
     }
 
     fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
-        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
+        for (i, site) in self.sites.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticking_point().is_some()) {
             let (r, Some(touch)) = (view.object.rotation * site.position, &site.touch) else { continue };
-            if let Some(drag) = self.pool.drag(i, &self.law_of(i), motion.relative(&touch.now, r)) {
+            if let Some(drag) = self.pool.nonsymmetric_traction(i, &self.law_of(i), motion.relative(&touch.now, r)) {
                 change.add_pair(body, view, &touch.stick, &Pair::force(drag * -self.area, r));
             }
         }
@@ -294,7 +294,7 @@ impl FeatureContact {
             let Some(stretch) = &feature.along else { continue };
             // The pad would penetrate where a vertex under pressure leaves: such a vertex moves only for a larger
             // depth.
-            let most = self.pool.law.offset * FEATURE_MOVES[usize::from(self.pool.edge(i).pressure > 0.0)];
+            let most = self.pool.law.offset * VERTEX_MOVE_PENETRATION[usize::from(self.pool.edge(i).pressure > 0.0)];
             let near = self.candidates.bounds(i, site.place(view), moved).within(stretch.length());
             let free = near && site.moves < MOVES;
             let Some(deepest) = free.then(|| deepest(&self.bounds, &self.surface, view, stretch, most)).flatten()
@@ -329,7 +329,7 @@ impl FeatureContact {
             }
             return 0.0;
         };
-        if self.pool.is_fresh(i) {
+        if self.pool.made_contact(i) {
             touch.stick = touch.now;
             let normal = self.pool.edge(i).normal;
             let away = near.at - touch.now.position(view.x);
@@ -340,6 +340,6 @@ impl FeatureContact {
             self.pool.touch(i, &law, drag, || -normal.dot(start));
         }
         let stretch = self.stretch(i, self.pool.edge(i).anchor, view).map(|(_, stretch)| stretch);
-        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.rub(i, &law, follow, stretch)))
+        lag.hypot(stretch.map_or(0.0, |stretch| self.pool.update_traction(i, &law, follow, stretch)))
     }
 }

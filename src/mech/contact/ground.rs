@@ -91,12 +91,13 @@ impl GroundContact {
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
         let Some(lag) = self.pool.press(i, &law, follow, iter::once((gap, normal, 1.0))) else { return 0.0 };
-        if self.pool.is_fresh(i) {
+        if self.pool.made_contact(i) {
             let clear = self.gap(last);
             self.pool.touch(i, &law, last, || clear);
         }
         let anchor = self.pool.edge(i).anchor.unwrap_or(last);
-        let behind = self.pool.rub(i, &law, follow, self.hand.inverse_transform(anchor) - view.position - arm);
+        let behind =
+            self.pool.update_traction(i, &law, follow, self.hand.inverse_transform(anchor) - view.position - arm);
         lag.hypot(behind)
     }
 }
@@ -108,7 +109,7 @@ impl ObjectTerm for GroundContact {
             let e = self.pool.edge(i);
             let point = view.position + view.rotation * *v;
             energy += self.pool.law.normal_energy(self.gap(self.hand.transform(point)), e.scale);
-            if let Some(anchor) = e.sticks() {
+            if let Some(anchor) = e.sticking_point() {
                 energy += e.friction_energy(&self.pool.law, slip(self.hand.inverse_transform(anchor) - point, e.plane));
             }
         }
@@ -123,7 +124,7 @@ impl ObjectTerm for GroundContact {
             if e.pressure > 0.0 {
                 block.add_object_pair(view, &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, how.project));
             }
-            if let Some(anchor) = e.sticks() {
+            if let Some(anchor) = e.sticking_point() {
                 let s = self.hand.inverse_transform(anchor) - view.position - arm;
                 block.add_object_pair(view, &friction_pair(&self.pool.law, &e, 1.0, s, arm, how));
             }
@@ -136,10 +137,10 @@ impl ObjectTerm for GroundContact {
     }
 
     fn couple(&self, view: &ObjectView, motion: &ObjectIncrement, change: &mut RigidBlock) {
-        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticks().is_some()) {
+        for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticking_point().is_some()) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);
-            if let Some(drag) = self.pool.drag(i, &self.pool.law, away) {
+            if let Some(drag) = self.pool.nonsymmetric_traction(i, &self.pool.law, away) {
                 change.add_object_pair(view, &Pair::force(-drag, r));
             }
         }

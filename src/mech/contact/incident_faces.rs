@@ -3,13 +3,13 @@
 //!
 //! An edge of the object folds the pad and reaches equilibrium in the fold, where it touches both incident faces. The
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
-//! none (see [`Rings::beside`](geometry::mesh::rings::Rings::beside)).
+//! none (see [`TriangleAdjacency::beside`](geometry::mesh::rings::TriangleAdjacency::beside)).
 
 use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
 use super::surface::ContactSurface;
-use base::scales::FACE_KEPT;
-use geometry::mesh::rings::{SurfacePart, TrianglePart, TriangleView};
+use base::scales::FACE_HYSTERESIS;
+use geometry::mesh::rings::{SurfacePart, TrianglePart, TrianglePosition};
 use geometry::shape::outer;
 use glam::{DMat3, DVec3};
 
@@ -70,7 +70,7 @@ impl LastContact {
     /// Difference of distances up to which the face is kept at a shallow fold, m, for contact with this `offset` (m).
     fn kept(self, offset: f64) -> f64 {
         match (self.stays, self.carried) {
-            (false, _) => FACE_KEPT * offset,
+            (false, _) => FACE_HYSTERESIS * offset,
             (true, true) => f64::INFINITY,
             (true, false) => 0.0,
         }
@@ -124,15 +124,15 @@ impl FaceBounds {
     ) -> Vec<IncidentFace> {
         let view = |t: u32| {
             let (i, face) = (t as usize, &surface.faces[t as usize]);
-            if self.away(i, face, x, y, reach) >= reach {
-                return TriangleView::Beyond;
+            if self.distance_bound(i, face, x, y, reach) >= reach {
+                return TrianglePosition::Beyond;
             }
             match on_face(i, face, x, y) {
-                closest_point if closest_point.gap.abs() >= reach => TriangleView::Beyond,
+                closest_point if closest_point.gap.abs() >= reach => TrianglePosition::Beyond,
                 closest_point if closest_point.part() == TrianglePart::Face && closest_point.gap < 0.0 => {
-                    TriangleView::Behind
+                    TrianglePosition::Behind
                 }
-                closest_point => TriangleView::At(closest_point.part()),
+                closest_point => TrianglePosition::At(closest_point.part()),
             }
         };
         let along = |t: u32, i: usize| {

@@ -26,9 +26,9 @@ pub struct ContactLaw {
 }
 
 /// Fraction of the offset in which the stiffer branch acts.
-const RESERVE: f64 = 0.25;
+const STIFFER_BRANCH: f64 = 0.25;
 /// Reduced contact offset over the full one.
-const LATE: f64 = 0.3;
+const REDUCED_OFFSET: f64 = 0.3;
 /// Smallest gap of an accepted state, as a fraction of the offset.
 const LEAST: f64 = 0.02;
 /// Stiffness of the stiffer branch over that of the law.
@@ -46,12 +46,12 @@ impl ContactLaw {
 
     /// Returns this law with the reduced contact offset, for a point that only prevents penetration between points that
     /// carry the contact.
-    pub fn late(&self) -> Self {
-        Self { offset: LATE * self.offset, ..*self }
+    pub fn with_reduced_offset(&self) -> Self {
+        Self { offset: REDUCED_OFFSET * self.offset, ..*self }
     }
 
     /// Returns this law for a point with the active fraction `share`: its tangential stiffness is multiplied by it.
-    pub fn engaged(&self, share: f64) -> Self {
+    pub fn with_active_fraction(&self, share: f64) -> Self {
         Self { tangential: share * self.tangential, ..*self }
     }
 
@@ -65,7 +65,7 @@ impl ContactLaw {
     pub fn pressure(&self, gap: f64, scale: f64) -> (f64, f64) {
         let k = self.stiffness * scale;
         let closed = self.offset - gap;
-        let hard = RESERVE * self.offset - gap;
+        let hard = STIFFER_BRANCH * self.offset - gap;
         if closed <= 0.0 {
             (0.0, 0.0)
         } else if hard <= 0.0 {
@@ -79,7 +79,7 @@ impl ContactLaw {
     #[inline(always)]
     pub fn normal_energy(&self, gap: f64, scale: f64) -> f64 {
         let closed = (self.offset - gap).max(0.0);
-        let hard = (RESERVE * self.offset - gap).max(0.0);
+        let hard = (STIFFER_BRANCH * self.offset - gap).max(0.0);
         0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
     }
 

@@ -38,7 +38,7 @@ pub(crate) fn feature_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3,
 
 /// Drops the stiffness of a contact with negative `weight` if `project` is set. Such a contact is subtracted where
 /// incident faces of a valley meet; its stiffness is negative, so that its projection is zero.
-pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
+pub(crate) fn project_weighted(pair: Pair, weight: f64, project: bool) -> Pair {
     if weight < 0.0 && project {
         return Pair { dd: DMat3::ZERO, dw: DMat3::ZERO, ww: DMat3::ZERO, ..pair };
     }
@@ -49,7 +49,7 @@ pub(crate) fn weighed(pair: Pair, weight: f64, project: bool) -> Pair {
 /// sticking point, `r` the arm of the object's point.
 pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, how: Assembly) -> Pair {
     let n = e.plane;
-    let (a, b) = law.engaged(e.share).friction_hessian(slip(s, n), e.limit, how.secant);
+    let (a, b) = law.with_active_fraction(e.share).friction_hessian(slip(s, n), e.limit, how.secant);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let force = e.traction * -area;

@@ -4,7 +4,7 @@ use super::nearby::Nearby;
 use super::surface::ContactSurface;
 use super::term::locate;
 use crate::potential::state::BodyView;
-use base::scales::{LOOK_AHEAD, POINTS_LISTED};
+use base::scales::{EXACT_GAP_RADIUS, POINT_LIST_RADIUS};
 use geometry::shape::SignedDistance;
 use glam::DVec3;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl PointList {
 
     /// Lower bound of the distance of the points that are not listed, under `view`, m; `-inf` if it is unknown.
     fn others(&self, view: &BodyView) -> f64 {
-        POINTS_LISTED * self.offset - self.nearby.moved(view)
+        POINT_LIST_RADIUS * self.offset - self.nearby.moved(view)
     }
 
     /// Returns true if no point that is not listed can touch under `view`.
@@ -106,7 +106,7 @@ impl PointList {
         if self.holds(view) {
             return;
         }
-        let (reach, far) = (POINTS_LISTED * self.offset, LOOK_AHEAD * self.offset);
+        let (reach, far) = (POINT_LIST_RADIUS * self.offset, EXACT_GAP_RADIUS * self.offset);
         let all = Arc::make_mut(&mut self.all);
         let mut near = vec![false; all.len()];
         let mut radius = 0.0_f64;

@@ -149,7 +149,7 @@ impl EdgePool {
 
     /// Sets gap, normal and pressure of edge `i` under `law` from its contact points (gap, m, normal and weight of
     /// each, the nearest first) and its friction limit if it is to `follow`. Returns the lag of the limit, Pa, if
-    /// friction acts; [`EdgePool::rub`] must be called next.
+    /// friction acts; [`EdgePool::update_traction`] must be called next.
     pub fn press(
         &mut self,
         i: usize,
@@ -184,7 +184,7 @@ impl EdgePool {
     }
 
     /// Returns true if edge `i` made contact within the increment; [`EdgePool::touch`] must be called next.
-    pub fn is_fresh(&self, i: usize) -> bool {
+    pub fn made_contact(&self, i: usize) -> bool {
         let e = self.edge(i);
         e.anchor.is_none() || e.clear.is_some()
     }
@@ -203,7 +203,7 @@ impl EdgePool {
     /// Change of the friction traction of edge `i` on the pad, Pa, when its points move by `u` (m) relative to each
     /// other, which its potential does not include. Where the edge slips, the limit follows the pressure; where it made
     /// contact within the increment, the active fraction grows with the depth.
-    pub fn drag(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
+    pub fn nonsymmetric_traction(&self, i: usize, law: &ContactLaw, u: DVec3) -> Option<DVec3> {
         let e = self.edge(i);
         let stiffness = law.pressure(e.gap, e.scale).1;
         let rate = match e.slips {
@@ -215,12 +215,12 @@ impl EdgePool {
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck or since the start of
     /// the increment; returns the lag of the traction due to the active fraction, Pa.
-    pub fn rub(&mut self, i: usize, law: &ContactLaw, follow: bool, s: DVec3) -> f64 {
+    pub fn update_traction(&mut self, i: usize, law: &ContactLaw, follow: bool, s: DVec3) -> f64 {
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);
         let missing = e.past_touch(law.offset) - e.share;
         e.share += if follow { missing } else { 0.0 };
-        (e.traction, e.slips) = law.engaged(e.share).traction(s, e.limit);
+        (e.traction, e.slips) = law.with_active_fraction(e.share).traction(s, e.limit);
         if follow { 0.0 } else { (law.tangential * s.length() * missing.abs()).min(e.limit) }
     }
 }

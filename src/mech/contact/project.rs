@@ -4,7 +4,7 @@ use super::cells::FaceGrid;
 pub use super::closest_point::ClosestPoint;
 use super::closest_point::{clamp_to_triangle, on_face, project_flat};
 use super::surface::{ContactSurface, SurfaceFace};
-use base::scales::LOOK_AHEAD;
+use base::scales::EXACT_GAP_RADIUS;
 use glam::DVec3;
 
 /// Bounds of the faces of a deformed surface, which exclude most of them from a query.
@@ -23,12 +23,12 @@ pub struct FaceBounds {
 impl FaceBounds {
     /// Creates bounds without faces, for contact with this `offset` (m).
     pub fn new(offset: f64) -> Self {
-        let cells = FaceGrid::new(LOOK_AHEAD * offset);
+        let cells = FaceGrid::new(EXACT_GAP_RADIUS * offset);
         Self { offset, boxes: Vec::new(), bulges: Vec::new(), cells, min: DVec3::ZERO, max: DVec3::ZERO }
     }
 
     /// Distance up to which the cells contain the nearest face, m.
-    pub(crate) fn at_once(&self) -> f64 {
+    pub(crate) fn cell_radius(&self) -> f64 {
         self.cells.near
     }
 
@@ -79,7 +79,7 @@ impl FaceBounds {
         if y.cmplt(self.min - reach).any() || y.cmpgt(self.max + reach).any() {
             return None;
         }
-        let best = self.near(surface, x, y, self.at_once());
+        let best = self.near(surface, x, y, self.cell_radius());
         let best = best.or_else(|| self.nearest(surface, x, y, 0..self.boxes.len(), f64::INFINITY));
         best.map(side).filter(|closest_point| closest_point.gap < reach)
     }
@@ -100,7 +100,7 @@ impl FaceBounds {
         side: impl Fn(ClosestPoint) -> ClosestPoint,
     ) -> f64 {
         let beyond = y.clamp(self.min, self.max).distance(y);
-        if beyond > self.at_once() {
+        if beyond > self.cell_radius() {
             return beyond;
         }
         self.closest_as(surface, x, y, f64::INFINITY, side).map_or(f64::INFINITY, |closest_point| closest_point.gap)
@@ -118,7 +118,7 @@ impl FaceBounds {
         // The face with the smallest lower bound is tested first: it excludes most of the others.
         let (mut first, mut least) = (None, limit);
         for i in faces.clone() {
-            let away = self.away(i, &surface.faces[i], x, y, least);
+            let away = self.distance_bound(i, &surface.faces[i], x, y, least);
             if away < least {
                 (first, least) = (Some(i), away);
             }
@@ -126,7 +126,7 @@ impl FaceBounds {
         let (mut best, mut nearest): (Option<ClosestPoint>, f64) = (None, limit);
         for i in first.into_iter().chain(faces.filter(|i| Some(*i) != first)) {
             let most = nearest * (1.0 + TIE);
-            if self.away(i, &surface.faces[i], x, y, most) > most {
+            if self.distance_bound(i, &surface.faces[i], x, y, most) > most {
                 continue;
             }
             let closest_point = on_face(i, &surface.faces[i], x, y);
@@ -148,7 +148,7 @@ impl FaceBounds {
 
     /// Lower bound of the distance of face `i` from `y`, m: that of its flat triangle, minus its bulge. For a face
     /// whose box is beyond `limit` (m), it is the distance of the box.
-    pub(crate) fn away(&self, i: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
+    pub(crate) fn distance_bound(&self, i: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3, limit: f64) -> f64 {
         let [low, high] = self.boxes[i];
         let beyond = y.clamp(low, high).distance(y);
         if beyond > limit {

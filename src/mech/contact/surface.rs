@@ -6,7 +6,7 @@ use crate::body::{Body, Elements};
 use crate::element::EDGES;
 use crate::potential::term::Stencil;
 use base::scales::ROUNDING;
-use geometry::mesh::rings::Rings;
+use geometry::mesh::rings::TriangleAdjacency;
 use geometry::triangle6;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub struct ContactSurface {
     /// Faces that are not entirely fixed.
     pub faces: Arc<Vec<SurfaceFace>>,
     /// Adjacency of the faces.
-    pub rings: Arc<Rings>,
+    pub rings: Arc<TriangleAdjacency>,
     /// Location of each point: nodes and shape function values. The vertices come first, then the sub-face samples.
     pub points: Arc<Vec<Stencil>>,
     /// Number of points that are vertices.
@@ -98,7 +98,7 @@ impl ContactSurface {
                 report.push(face.report_stencil(l));
             }
         }
-        let rings = Arc::new(Rings::new(faces.iter().map(|f| f.corners).collect()));
+        let rings = Arc::new(TriangleAdjacency::new(faces.iter().map(|f| f.corners).collect()));
         let (faces, points, report, parts) = (Arc::new(faces), Arc::new(points), Arc::new(report), Arc::new(parts));
         Self { faces, rings, points, vertices, report, parts, area: Vec::new(), spacing: 0.0 }.placed(&body.rest)
     }

@@ -2,7 +2,7 @@
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
-use super::pair::{friction_pair, normal_pair, slip, weighed};
+use super::pair::{friction_pair, normal_pair, project_weighted, slip};
 use super::point_list::{DistanceBound, PointList};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
@@ -13,8 +13,8 @@ use crate::potential::state::{BodyMotion, BodyView, Departure};
 use crate::potential::term::{Assembly, BodyTerm, Stencil};
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
-use base::scales::{LOOK_AHEAD, MIDDLE_CUT};
-use geometry::shape::{SignedDistance, SurfaceTouch};
+use base::scales::{EXACT_GAP_RADIUS, MIDDLE_CUT};
+use geometry::shape::{ContactPoints, SignedDistance};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl BodyTerm for PointContact {
             {
                 energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
             }
-            if let Some(anchor) = e.sticks() {
+            if let Some(anchor) = e.sticking_point() {
                 let s = slip(world - view.object.position - view.object.rotation * anchor, e.plane);
                 energy += area * e.friction_energy(&law, s);
             }
@@ -98,16 +98,16 @@ impl BodyTerm for PointContact {
             block.rigid.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
-            for (c, weight) in touch.iter().flat_map(SurfaceTouch::places) {
+            for (c, weight) in touch.iter().flat_map(ContactPoints::places) {
                 let e = e.on(law, c.distance, view.object.rotation * c.normal);
                 if e.pressure > 0.0 {
                     let curvature = view.object.rotation * c.curvature * view.object.rotation.transpose();
                     let pair =
                         normal_pair(law, &e, area * weight, world - view.object.position, &curvature, how.project);
-                    block.add_pair(body, view, &stencil, &weighed(pair, weight, how.project));
+                    block.add_pair(body, view, &stencil, &project_weighted(pair, weight, how.project));
                 }
             }
-            if let Some(anchor) = e.sticks() {
+            if let Some(anchor) = e.sticking_point() {
                 let arm = view.object.rotation * anchor;
                 let pair = friction_pair(law, e, area, world - view.object.position - arm, arm, how);
                 block.add_pair(body, view, &stencil, &pair);
@@ -118,12 +118,12 @@ impl BodyTerm for PointContact {
     fn couple(&self, body: &Body, view: &BodyView, motion: &BodyMotion, change: &mut BodyBlock) {
         for (i, _) in self.near.points(view) {
             let (e, stencil, area) = (self.pool.edge(i), &self.surface.points[i], self.surface.area[i]);
-            if e.sticks().is_none() {
+            if e.sticking_point().is_none() {
                 continue;
             }
             let r = locate(stencil, view).0 - view.object.position;
             if let (Some(drag), Some(anchor)) =
-                (self.pool.drag(i, &self.law_of(i), motion.relative(stencil, r)), e.anchor)
+                (self.pool.nonsymmetric_traction(i, &self.law_of(i), motion.relative(stencil, r)), e.anchor)
             {
                 change.add_pair(body, view, stencil, &Pair::force(drag * -area, view.object.rotation * anchor));
             }
@@ -172,7 +172,7 @@ impl BodyTerm for PointContact {
     fn satisfied(&mut self, _: &Body, view: &BodyView) -> bool {
         let (vertices, least) = (self.surface.vertices, self.pool.law.least());
         let stiff = self.pool.satisfied(|i| if i < vertices { least } else { 0.0 });
-        self.feel(view) && stiff
+        self.activate_sub_face(view) && stiff
     }
 
     fn edge_count(&self) -> usize {
@@ -223,10 +223,10 @@ impl PointContact {
     }
 
     /// Activates the sub-face samples at which the object penetrates between vertices; returns true if there were none.
-    fn feel(&mut self, view: &BodyView) -> bool {
+    fn activate_sub_face(&mut self, view: &BodyView) -> bool {
         let mut none = true;
         let offset = self.pool.law.offset;
-        let (ahead, through) = (LOOK_AHEAD * offset, MIDDLE_CUT * offset);
+        let (ahead, through) = (EXACT_GAP_RADIUS * offset, MIDDLE_CUT * offset);
         self.update_list(view);
         for k in 0..self.near.numbers().len() {
             let (i, seen) = self.near.get(k);
@@ -245,12 +245,12 @@ impl PointContact {
 
     /// Law of point `i`.
     pub fn law_of(&self, i: usize) -> ContactLaw {
-        if i < self.surface.vertices { self.pool.law } else { self.pool.law.late() }
+        if i < self.surface.vertices { self.pool.law } else { self.pool.law.with_reduced_offset() }
     }
 
     /// Updates gap, pressure and friction of the edge of listed point `k`. Returns the lag of its friction, Pa, and its
     /// contact with the object, object axes.
-    fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, follow: bool) -> (f64, Option<SurfaceTouch>) {
+    fn update(&mut self, k: usize, stencil: &Stencil, view: &BodyView, follow: bool) -> (f64, Option<ContactPoints>) {
         let (i, seen) = self.near.get(k);
         let law = self.law_of(i);
         let (world, q) = locate(stencil, view);
@@ -258,17 +258,17 @@ impl PointContact {
         // Far points are skipped without a query.
         if seen.bound(q) < law.offset {
             // The query reaches farther than needed, so that its bound makes the next queries unnecessary.
-            let reach = LOOK_AHEAD * self.pool.law.offset;
+            let reach = EXACT_GAP_RADIUS * self.pool.law.offset;
             touch = self.object.touch(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
             self.near.note(k, DistanceBound { at: q, bound });
         }
-        let places = touch.iter().flat_map(SurfaceTouch::places);
+        let places = touch.iter().flat_map(ContactPoints::places);
         let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));
         let Some(lag) = self.pool.press(i, &law, follow, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);
         let mut anchor = e.anchor.unwrap_or(q);
-        if self.pool.is_fresh(i) {
+        if self.pool.made_contact(i) {
             let start = self.from.as_ref().map_or(q, |from| from.in_object(stencil));
             // The start position, moved along the normal onto the surface in contact. The gap of a point that has left
             // again is infinite, hence the limit.
@@ -276,7 +276,8 @@ impl PointContact {
             anchor = start + normal * (normal.dot(q - start) - e.gap.min(law.offset));
             self.pool.touch(i, &law, anchor, || self.object.distance(start));
         }
-        let behind = self.pool.rub(i, &law, follow, world - view.object.position - view.object.rotation * anchor);
+        let behind =
+            self.pool.update_traction(i, &law, follow, world - view.object.position - view.object.rotation * anchor);
         (lag.hypot(behind), touch)
     }
 }

@@ -265,7 +265,7 @@ impl Newton {
     }
 
     /// Returns true if some driven finger carries no contact force.
-    pub(crate) fn untouched(&self) -> bool {
+    pub(crate) fn lacks_contact(&self) -> bool {
         let driven = self.blocks.iter().zip(&self.rigid.travel);
         driven.into_iter().any(|(b, column)| column.is_some() && b.block.rigid.activity == 0.0)
     }

@@ -4,7 +4,7 @@ use super::lagging::Lagging;
 use super::{Converged, Failure, Newton, NewtonTolerance};
 use crate::potential::state::{MAX_RIGID, NewtonStep, State};
 use crate::potential::term::Assembly;
-use base::scales::SHARP_MOTION;
+use base::scales::COMPLETE_HESSIAN_MOTION;
 use std::time::Instant;
 
 /// Largest step of the rigid unknowns in one iteration, as a fraction of the largest motion.
@@ -162,5 +162,5 @@ impl Newton {
 /// Returns the assembly options after a step of length `motion` (m). Where points begin to slip, the curvature of the
 /// friction energy drops abruptly: after a step that was `cut` there, the next one uses the secant.
 fn after_step(motion: f64, cut: bool, tolerance: &NewtonTolerance) -> Assembly {
-    Assembly { project: false, follow: true, sharp: motion <= SHARP_MOTION * tolerance.offset, secant: cut }
+    Assembly { project: false, follow: true, sharp: motion <= COMPLETE_HESSIAN_MOTION * tolerance.offset, secant: cut }
 }

@@ -110,9 +110,9 @@ pub trait PadDiscretisation {
 }
 
 /// Full (uncondensed) pad model: all nodes are unknowns.
-pub struct WholePads;
+pub struct FullPads;
 
-impl PadDiscretisation for WholePads {}
+impl PadDiscretisation for FullPads {}
 
 /// Maximum number of consecutive failed attempts.
 const FAILURES: u32 = 16;
@@ -178,12 +178,14 @@ impl Path {
                     }
                     failures = 0;
                     beyond = beyond.filter(|_| !near);
-                    apart = if self.newton.untouched() { apart + moved } else { 0.0 };
+                    apart = if self.newton.lacks_contact() { apart + moved } else { 0.0 };
                     let way = self.newton.rigid.distance(&self.state, &begins);
                     match () {
                         _ if apart >= GONE * self.tolerance.offset => return Err(Failure::Lost),
                         _ if self.largest_drift.is_some_and(|most| way > most) => return Err(Failure::Astray),
-                        _ if self.place.is_some_and(|place| place.is_left(&self.state)) => return Err(Failure::Astray),
+                        _ if self.place.is_some_and(|place| place.is_exceeded(&self.state)) => {
+                            return Err(Failure::Astray);
+                        }
                         _ if next == target && rests => return Ok(done),
                         _ if self.exhausted() => return Err(Failure::Unsettled),
                         _ => continue,

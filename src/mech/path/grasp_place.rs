@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 
 /// Pose of the object when it was grasped, and its largest motion while it counts as held.
 #[derive(Debug, Clone, Copy)]
-pub struct GraspPlace {
+pub struct GraspLimits {
     /// Position of the object when it was grasped, m, hand frame.
     pub position: DVec3,
     /// Orientation of the object when it was grasped.
@@ -18,9 +18,9 @@ pub struct GraspPlace {
     pub angle: f64,
 }
 
-impl GraspPlace {
+impl GraspLimits {
     /// Returns true if the object in `state` has moved beyond these limits.
-    pub fn is_left(&self, state: &State) -> bool {
+    pub fn is_exceeded(&self, state: &State) -> bool {
         let turn = state.rotation * self.rotation.inverse();
         let now = state.position + turn * (self.center - self.position);
         now.distance(self.center) > self.distance || turn.to_scaled_axis().length() > self.angle
@@ -37,7 +37,7 @@ mod tests {
     #[test]
     fn an_object_that_turns_in_the_hand_stays() {
         let center = DVec3::Z * 0.1;
-        let place = GraspPlace {
+        let place = GraspLimits {
             position: center + DVec3::Y * 0.3,
             rotation: DQuat::IDENTITY,
             center,
@@ -49,9 +49,9 @@ mod tests {
             let position = center + rotation * (place.position - center) + DVec3::Y * slide;
             State { x: Vec::new(), travel: Vec::new(), position, rotation }
         };
-        assert!(!place.is_left(&about(FRAC_PI_2 / 3.0, 0.0)));
-        assert!(!place.is_left(&about(0.0, 0.009)));
-        assert!(place.is_left(&about(0.0, 0.011)));
-        assert!(place.is_left(&about(FRAC_PI_2, 0.0)));
+        assert!(!place.is_exceeded(&about(FRAC_PI_2 / 3.0, 0.0)));
+        assert!(!place.is_exceeded(&about(0.0, 0.009)));
+        assert!(place.is_exceeded(&about(0.0, 0.011)));
+        assert!(place.is_exceeded(&about(FRAC_PI_2, 0.0)));
     }
 }

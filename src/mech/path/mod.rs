@@ -7,8 +7,8 @@ mod path_error;
 mod pseudo_time;
 pub mod step_size;
 
-use self::continuation::{Methods, WholePads};
-use self::grasp_place::GraspPlace;
+use self::continuation::{FullPads, Methods};
+use self::grasp_place::GraspLimits;
 use self::pseudo_time::{PseudoStep, PseudoTime};
 use self::step_size::{REFUSED, StepSize};
 use super::newton::{Converged, Failure, Newton, NewtonTolerance};
@@ -30,7 +30,7 @@ pub struct Path {
     /// Largest motion of the object within one advance, m, beyond which it counts as lost; None without limit.
     pub largest_drift: Option<f64>,
     /// Limits of the object's pose; None without limits.
-    pub place: Option<GraspPlace>,
+    pub place: Option<GraspLimits>,
     /// Counts of how often each method was used.
     pub methods: Methods,
     /// Accepted state before `state`, with its level.
@@ -94,7 +94,7 @@ pub enum Load {
 /// Loose tolerance, of intermediate states, over the tight one, of results.
 pub(crate) const LOOSE: f64 = 20.0;
 /// Maximum number of iterations of pseudo-time steps and failed increments before the path is given up.
-const ENDURANCE: u32 = 4000;
+const SPENT_LIMIT: u32 = 4000;
 
 impl Path {
     /// Creates a path at `state`, which must be in equilibrium at level zero.
@@ -118,7 +118,7 @@ impl Path {
     /// Returns true once the iterations spent on pseudo-time steps and failed increments reach their limit: the path
     /// then ends unless it has reached its target.
     pub fn exhausted(&self) -> bool {
-        self.spent >= ENDURANCE
+        self.spent >= SPENT_LIMIT
     }
 
     /// Halves the iterations spent, after a level was reached.
@@ -133,12 +133,12 @@ impl Path {
     /// # Errors
     /// Returns the last [`Failure`]; the state is then that of the start.
     pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
-        // The state is intermediate, so that the loose tolerance suffices; `advance` or `polish` follow.
+        // The state is intermediate, so that the loose tolerance suffices; `advance` or `solve_tightly` follow.
         let sharp = self.tolerance;
         self.tolerance.relative *= LOOSE;
         self.newton.force.fill(force);
         let level = std::mem::replace(&mut self.level, force);
-        let closed = self.advance(Load::Force, force, &mut WholePads);
+        let closed = self.advance(Load::Force, force, &mut FullPads);
         self.tolerance = sharp;
         self.history = None;
         if closed.is_err() {
@@ -166,7 +166,7 @@ impl Path {
     ///
     /// # Errors
     /// Returns the [`Failure`]; the state is unchanged.
-    pub fn polish(&mut self) -> Result<Advanced, Failure> {
+    pub fn solve_tightly(&mut self) -> Result<Advanced, Failure> {
         let (mut done, tolerance) = (Advanced::default(), self.tolerance);
         self.equilibrate(self.state.clone(), None, &tolerance, &mut done).map(|_| done)
     }

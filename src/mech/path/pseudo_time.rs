@@ -9,7 +9,7 @@ use super::LOOSE;
 use crate::newton::NewtonTolerance;
 use crate::newton::proximal::Proximal;
 use crate::potential::state::State;
-use base::scales::{PSEUDO_TIME_BEGINS, PSEUDO_TIME_REACH};
+use base::scales::{FIRST_PSEUDO_STEP, LARGEST_PSEUDO_STEP};
 use serde::{Deserialize, Serialize};
 
 /// Maximum number of iterations of one step with springs.
@@ -98,7 +98,7 @@ impl PseudoTime {
             *self = Self { last: self.last, ..Self::NONE };
             return;
         }
-        let reach = PSEUDO_TIME_REACH * full.offset;
+        let reach = LARGEST_PSEUDO_STEP * full.offset;
         self.waits = moved.pull > WAITS * load;
         self.slack = (FOLLOWED * moved.pull / floor).clamp(1.0, LOOSE);
         self.softest *= FORGETTING;
@@ -118,7 +118,7 @@ impl PseudoTime {
             self.slack = (2.0 * self.slack).min(LOOSE);
         } else {
             self.stiffness =
-                if self.last > 0.0 { STIFFER[0] * self.last } else { load / (PSEUDO_TIME_BEGINS * full.offset) };
+                if self.last > 0.0 { STIFFER[0] * self.last } else { load / (FIRST_PSEUDO_STEP * full.offset) };
             self.slack = LOOSE;
         }
     }

@@ -27,8 +27,8 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[Pose]) -> O
     for pose in poses.iter().step_by(step) {
         looked_at += 1;
         match closing.iter().map(|side| meets(object, &hand, pose, *side)).max() {
-            Some(Meets::Inside) => inside += 1,
-            Some(Meets::Nothing) => miss += 1,
+            Some(RayResult::Inside) => inside += 1,
+            Some(RayResult::Nothing) => miss += 1,
             _ => {}
         }
     }
@@ -45,21 +45,21 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[Pose]) -> O
 
 /// Result of closing a pad, ordered from best to worst.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-enum Meets {
+enum RayResult {
     Object,
     Nothing,
     Inside,
 }
 
 /// Casts rays from points of the open pad's face along `closing`, up to the distance between the open pads.
-fn meets(object: &Shape, hand: &Hand, pose: &Pose, closing: DVec3) -> Meets {
-    let mut met = Meets::Nothing;
+fn meets(object: &Shape, hand: &Hand, pose: &Pose, closing: DVec3) -> RayResult {
+    let mut met = RayResult::Nothing;
     for start in hand.face(closing, POINTS).map(|start| pose.transform(start)) {
         if object.distance.distance(start) < 0.0 {
-            return Meets::Inside;
+            return RayResult::Inside;
         }
         if object.ray(start, pose.rotation * closing).is_some_and(|hit| hit.t <= hand.opening) {
-            met = Meets::Object;
+            met = RayResult::Object;
         }
     }
     met

@@ -1,6 +1,6 @@
 //! Observation of the centre of pressure.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use glam::DVec3;
 
 /// Centre of pressure of each pad, m: (pads, 3), pad frame; the mean position of the deformed nodes, weighted by the
@@ -12,7 +12,7 @@ pub struct CenterOfPressure {
 }
 
 impl CenterOfPressure {
-    pub fn new(hand: &SensedHand) -> Self {
+    pub fn new(hand: &SensorSetup) -> Self {
         Self { pads: hand.fingers.len(), most: hand.reach() }
     }
 }

@@ -1,6 +1,6 @@
 //! Observation of the contact area.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 
 /// Contact area of each pad in the reference configuration, m2: (pads).
 #[derive(Debug)]
@@ -10,7 +10,7 @@ pub struct TouchedArea {
 }
 
 impl TouchedArea {
-    pub fn new(hand: &SensedHand) -> Self {
+    pub fn new(hand: &SensorSetup) -> Self {
         let whole = |f: &crate::part::FingerModel| f.surface.area[..f.surface.vertices].iter().sum();
         Self { pads: hand.fingers.len(), most: hand.fingers.first().map_or(0.0, whole) }
     }

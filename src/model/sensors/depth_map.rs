@@ -1,7 +1,7 @@
 //! Penetration depth of the object into the undeformed pads, the quantity of purely geometric tactile simulators.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub struct DepthMap {
 }
 
 impl DepthMap {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let finger = hand.fingers.first();
         let plane = finger.map_or(PlaneGrid::default(), |f| grid.over(&f.topology));
         let at_rest = finger

@@ -1,6 +1,6 @@
 //! Observation of the applied force.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 
 /// Applied force: sum over the fingers, N.
 #[derive(Debug)]
@@ -9,7 +9,7 @@ pub struct Applied {
 }
 
 impl Applied {
-    pub fn new(hand: &SensedHand) -> Self {
+    pub fn new(hand: &SensorSetup) -> Self {
         Self { most: hand.force }
     }
 }

@@ -1,7 +1,7 @@
 //! Contact force of the pads on a grid of taxels, the basis of force and traction images.
 
 use super::grid::TaxelsOnFace;
-use super::{Now, SensedHand};
+use super::{Now, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 use std::ops::{AddAssign, Mul};
@@ -17,7 +17,7 @@ pub struct ForceImage {
 }
 
 impl ForceImage {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let pad = hand.fingers.first().map(|f| &f.topology);
         let shares = pad.map_or_else(Vec::new, |pad| grid.shares(pad));
         let area = pad.map_or(1.0, |pad| grid.over(pad).size.element_product());

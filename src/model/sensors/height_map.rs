@@ -1,7 +1,7 @@
 //! Shape of the deformed sensing faces, as a visual-tactile sensor images it.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;
 use mech::contact::surface::SurfaceFace;
@@ -18,7 +18,7 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let finger = hand.fingers.first();
         Self {
             pads: hand.fingers.len(),

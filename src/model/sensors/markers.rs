@@ -1,7 +1,7 @@
 //! Markers printed on the sensing faces, as tracked by the camera of a visual-tactile sensor.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use mech::potential::term::Stencil;
 use scene::Markers;
 
@@ -18,7 +18,7 @@ pub struct MarkerTracks {
 }
 
 impl MarkerTracks {
-    pub fn new(hand: &SensedHand, markers: &Markers) -> Self {
+    pub fn new(hand: &SensorSetup, markers: &Markers) -> Self {
         let (grid, pixel) = (markers.grid(), markers.pixel.get());
         let finger = hand.fingers.first();
         Self {

@@ -30,7 +30,7 @@ use scene::Observe;
 
 /// Hand from which the shapes and bounds of observation arrays are derived.
 #[derive(Debug, Clone, Copy)]
-pub struct SensedHand<'a> {
+pub struct SensorSetup<'a> {
     /// Fingers, left first, with equal pads.
     pub fingers: &'a [FingerModel],
     /// Largest travel of a finger, m.
@@ -66,7 +66,7 @@ pub trait Sense: Send + Sync + std::fmt::Debug {
 }
 
 /// Creates the sensor model of an observation.
-pub fn sense(observe: &Observe, hand: &SensedHand) -> Box<dyn Sense> {
+pub fn sense(observe: &Observe, hand: &SensorSetup) -> Box<dyn Sense> {
     match observe {
         Observe::TaxelForce(grid) => Box::new(taxel_force::TaxelForce::new(hand, grid)),
         Observe::TaxelDisplacement(grid) => Box::new(taxel_displacement::TaxelDisplacement::new(hand, grid)),
@@ -89,7 +89,7 @@ pub fn sense(observe: &Observe, hand: &SensedHand) -> Box<dyn Sense> {
 /// Bound of a contact force relative to the largest applied force.
 const MOST: f64 = 10.0;
 
-impl SensedHand<'_> {
+impl SensorSetup<'_> {
     /// Returns the bounds of a contact force, N.
     fn force_bounds(&self) -> [f64; 2] {
         let most = MOST * self.force;

@@ -1,7 +1,7 @@
 //! Pose of the object in the hand: privileged information for teacher policies and comparisons, not measured by tactile
 //! sensors.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use scene::leaf::LENGTH_LIMIT;
 
 /// Position (m) and quaternion (w, x, y, z) of the object frame in the hand frame.
@@ -9,7 +9,7 @@ use scene::leaf::LENGTH_LIMIT;
 pub struct PoseInHand;
 
 impl PoseInHand {
-    pub fn new(_: &SensedHand) -> Self {
+    pub fn new(_: &SensorSetup) -> Self {
         Self
     }
 }

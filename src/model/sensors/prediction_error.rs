@@ -1,6 +1,6 @@
 //! Observation of the estimated error of a prediction of the network.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use record::ErrorBound;
 
 /// 90 % quantiles of the relative errors of predictions: displacement, stress, travel. Zero for finite elements, the
@@ -12,7 +12,7 @@ pub struct PredictionError;
 const MOST: f64 = 10.0;
 
 impl PredictionError {
-    pub fn new(_: &SensedHand) -> Self {
+    pub fn new(_: &SensorSetup) -> Self {
         Self
     }
 }

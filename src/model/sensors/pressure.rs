@@ -1,7 +1,7 @@
 //! Image of the pressure on the sensing faces.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 
@@ -15,7 +15,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let image = ForceImage::new(hand, grid);
         let bounds = hand.force_bounds().map(|force| force / image.taxel_area());
         Self { image, bounds }

@@ -1,7 +1,7 @@
 //! Image of the slip on the sensing faces.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use scene::Grid;
 
 /// Fraction of the contact force in each taxel that is carried by sliding points: (pads, rows, columns), from 0
@@ -12,7 +12,7 @@ pub struct SlipImage {
 }
 
 impl SlipImage {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         Self { image: ForceImage::new(hand, grid) }
     }
 }

@@ -1,7 +1,7 @@
 //! Observation of the displacement of the sensing faces.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use mech::potential::term::Stencil;
 use scene::Grid;
 
@@ -15,7 +15,7 @@ pub struct TaxelDisplacement {
 }
 
 impl TaxelDisplacement {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let samples = hand.fingers.first().map_or_else(Vec::new, |f| grid.samples(f));
         let shape = [hand.fingers.len(), grid.rows.get(), grid.cols.get(), 3];
         Self { shape, samples, bounds: hand.displacement_bounds() }

@@ -1,7 +1,7 @@
 //! Observation of the contact force per taxel.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 
@@ -14,7 +14,7 @@ pub struct TaxelForce {
 }
 
 impl TaxelForce {
-    pub fn new(hand: &SensedHand, grid: &Grid) -> Self {
+    pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         Self { image: ForceImage::new(hand, grid), bounds: hand.force_bounds() }
     }
 }

@@ -1,6 +1,6 @@
 //! Observation of the travel of the fingers.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 
 /// Travel of each finger since first contact, left first, m.
 #[derive(Debug)]
@@ -10,7 +10,7 @@ pub struct FingerTravel {
 }
 
 impl FingerTravel {
-    pub fn new(hand: &SensedHand) -> Self {
+    pub fn new(hand: &SensorSetup) -> Self {
         Self { fingers: hand.fingers.len(), stroke: hand.stroke }
     }
 }

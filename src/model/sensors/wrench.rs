@@ -1,6 +1,6 @@
 //! Contact wrenches, as measured by a force-torque sensor behind each pad.
 
-use super::{ArraySpec, Now, Sense, SensedHand};
+use super::{ArraySpec, Now, Sense, SensorSetup};
 
 /// Wrench of each pad in the pad frame: force (N), then torque about the centre of the sensing face (N m).
 #[derive(Debug)]
@@ -10,7 +10,7 @@ pub struct PadWrench {
 }
 
 impl PadWrench {
-    pub fn new(hand: &SensedHand) -> Self {
+    pub fn new(hand: &SensorSetup) -> Self {
         Self { pads: hand.fingers.len(), bounds: hand.force_bounds() }
     }
 }

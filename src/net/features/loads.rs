@@ -4,8 +4,8 @@ use super::GraspFeatures;
 use super::Parity::{self, Even, X, XY, Y};
 use crate::features::rows;
 use crate::linear_response::GraspLoad;
-use crate::linear_response::balance::{ObjectBalance, Pressed};
-use crate::linear_response::projected_gradient::{LANES, Touching, projected_contact};
+use crate::linear_response::balance::{ObjectBalance, PadLoad};
+use crate::linear_response::projected_gradient::{ContactNode, LANES, projected_contact};
 use crate::linear_response::rigid_equilibrium::Rest;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ pub const PAD_LOAD: [Parity; 23] =
 const FAINT: f64 = 1e-3;
 /// Largest ratio of a tangential to a normal force: where the surface of the object is perpendicular to the face, it
 /// would be unbounded.
-const STEEPEST: f64 = 3.0;
+const LARGEST_TANGENTIAL: f64 = 3.0;
 
 /// Features of some load levels of a grasp, ordered by level, then pad, then node.
 #[derive(Debug, Clone, Default)]
@@ -77,7 +77,7 @@ impl LoadFeatures {
 /// Projected contact of a pad under a load; values per face node, over the thickness and `E t^2`.
 struct ProjectedContact {
     /// Required state of each node according to the equilibrium.
-    touching: Vec<Touching>,
+    touching: Vec<ContactNode>,
     /// Displacement under the forces of the equilibrium.
     moved: Vec<DVec3>,
     /// Contact force.
@@ -107,7 +107,7 @@ impl GraspFeatures {
                 let of = |k: usize| {
                     let pads = [(0, &left[k]), (1, &right[k])]
                         .map(|(p, contact)| self.pressed(p, &some[k], &rests[k], contact));
-                    let balance = ObjectBalance::new(&pads, self.equilibrium.hangs(&rests[k], &some[k]));
+                    let balance = ObjectBalance::new(&pads, self.equilibrium.load_about_midpoint(&rests[k], &some[k]));
                     let held = self.equilibrium.holds(&some[k]);
                     Arc::new(if held { balance.supported() } else { balance })
                 };
@@ -124,16 +124,16 @@ impl GraspFeatures {
         let count = graph.face.len();
         let pressing: Vec<Vec<DVec3>> = rests.iter().map(|rest| graph.basis.on_face(&rest.force[p], count)).collect();
         let moved = graph.compliance.on_face(&graph.face, &pressing);
-        let touching = |load: usize| -> Vec<Touching> {
+        let touching = |load: usize| -> Vec<ContactNode> {
             let asked = self.equilibrium.pressed(p, &rests[load]);
             let of = |i: usize| {
                 let (force, moved, (pressed, normal)) = (pressing[load][i], moved[load][i], asked[i]);
                 let dragged = moved - normal * moved.dot(normal);
-                Touching { node: graph.face[i] as usize, normal, pressed, dragged, force }
+                ContactNode { node: graph.face[i] as usize, normal, pressed, dragged, force }
             };
             (0..count).map(of).collect()
         };
-        let touching: Vec<Vec<Touching>> = (0..rests.len()).map(touching).collect();
+        let touching: Vec<Vec<ContactNode>> = (0..rests.len()).map(touching).collect();
         let (force, closer): (Vec<Vec<DVec3>>, Vec<f64>) =
             projected_contact(&graph.compliance, &touching, self.model.friction).into_iter().unzip();
         let given = graph.compliance.on_face(&graph.face, &force);
@@ -144,11 +144,11 @@ impl GraspFeatures {
     }
 
     /// Returns the pressing force of pad `p`, and where and in what parts it acts.
-    fn pressed(&self, p: usize, load: &GraspLoad, rest: &Rest, contact: &ProjectedContact) -> Pressed {
+    fn pressed(&self, p: usize, load: &GraspLoad, rest: &Rest, contact: &ProjectedContact) -> PadLoad {
         let places =
             self.graph.rest.iter().zip(&contact.given).map(|(at, moved)| self.equilibrium.place(p, *at, *moved, rest));
-        Pressed {
-            force: self.equilibrium.carried_by(p, load, rest),
+        PadLoad {
+            force: self.equilibrium.finger_force(p, load, rest),
             rotation: self.to_pad[p].transpose(),
             nodes: places.zip(contact.force.iter().map(|push| -push.z.min(0.0))).collect(),
         }
@@ -158,7 +158,7 @@ impl GraspFeatures {
     fn load_pad(&self, p: usize, rest: &Rest, contact: &ProjectedContact, loads: &mut LoadFeatures) {
         let (t, to_pad) = (self.graph.thickness, self.to_pad[p]);
         let load = loads.load[loads.load.len() - 1];
-        let force = self.equilibrium.carried_by(p, &load, rest);
+        let force = self.equilibrium.finger_force(p, &load, rest);
         let ProjectedContact { touching, moved, force: projected, closer, given } = contact;
         let carried: Vec<f64> = touching.iter().map(|t| t.force.length()).collect();
         let whole = carried.iter().sum::<f64>().max(1e-12);
@@ -168,7 +168,7 @@ impl GraspFeatures {
             let (at, basis, pressed) = (self.graph.rest[i] / t, touching[i].force / force, touching[i].pressed);
             // The offset makes the ratio vanish smoothly at the edge of the contact, where the normal force vanishes.
             let sideways = *push / (-push.z.min(0.0) + FAINT * force);
-            let sideways = sideways.truncate().clamp_length_max(STEEPEST);
+            let sideways = sideways.truncate().clamp_length_max(LARGEST_TANGENTIAL);
             let [x, y, z] = (moved[i] / depth).to_array();
             center += at * (carried[i] / whole);
             uneven += basis.z.min(0.0).powi(2) / (self.graph.area[i] / (t * t));
@@ -203,8 +203,10 @@ impl GraspFeatures {
             *closer / depth,
         ];
         let motion = shift.to_array().into_iter().chain(turn.to_array()).map(|v| v / depth);
-        let pull =
-            self.equilibrium.pulled(&load).map(|pull| (to_pad * pull / force).clamp_length_max(STEEPEST).to_array());
+        let pull = self
+            .equilibrium
+            .load_about_centre(&load)
+            .map(|pull| (to_pad * pull / force).clamp_length_max(LARGEST_TANGENTIAL).to_array());
         loads.pad.extend(row.into_iter().chain(motion).chain(pull.into_iter().flatten()).map(|v| v as f32));
         loads.pressing.push(force);
         loads.depth.push(depth);

@@ -81,7 +81,7 @@ const INSIDE: f64 = 1.5;
 /// Largest gap, over the thickness; larger ones are clamped.
 const FAR: f64 = 2.5;
 /// Decay lengths of the gap, over the thickness.
-const FADES: [f64; 3] = [0.05, 0.2, 0.8];
+const DECAY_LENGTHS: [f64; 3] = [0.05, 0.2, 0.8];
 
 /// Features of a grasp, ordered by pad, left first.
 #[derive(Debug, Clone)]
@@ -131,7 +131,7 @@ impl GraspFeatures {
                 let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
                 let normal = if gap < FAR { normal } else { DVec3::ZERO };
                 let mut row = vec![x.x / t, x.y / t, gap];
-                row.extend(FADES.map(|f| (-gap / f).exp()));
+                row.extend(DECAY_LENGTHS.map(|f| (-gap / f).exp()));
                 row.extend(normal.to_array());
                 for depth in DEPTHS {
                     let (distance, normal) = view.look(at + view.closing * (depth * t));
@@ -143,7 +143,13 @@ impl GraspFeatures {
                 row.extend([way.x, way.y, distance].map(|v| (v / t).clamp(-INSIDE, INSIDE)));
                 let Nearest { gap: least, offset } = nearest[i];
                 let fade = |gap: f64, f: f64| (-gap.max(0.0) / f).exp();
-                row.extend([gap - least, fade(least, FADES[0]), fade(least, FADES[1]), offset.x, offset.y]);
+                row.extend([
+                    gap - least,
+                    fade(least, DECAY_LENGTHS[0]),
+                    fade(least, DECAY_LENGTHS[1]),
+                    offset.x,
+                    offset.y,
+                ]);
                 node.extend(row.into_iter().map(|v| v as f32));
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
@@ -163,7 +169,7 @@ impl GraspFeatures {
         };
         Self {
             mean: pool(&|_, i| area[i]),
-            near: pool(&|p, i| area[i] * (-gaps[p][i] / FADES[1]).exp()),
+            near: pool(&|p, i| area[i] * (-gaps[p][i] / DECAY_LENGTHS[1]).exp()),
             volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
             graph: graph.clone(),
             pads,

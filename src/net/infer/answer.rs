@@ -6,7 +6,7 @@ use crate::autodiff::tape::Matrix;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::network::interval::{Interval, Signs};
+use crate::network::interval::{ErrorIndicators, Interval};
 use crate::network::{NetworkOutput, Normalisers};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub struct Answer {
     /// Travel at which the predicted faces touch the object, m: (levels, pads).
     pub(crate) travel: Vec<f64>,
     /// Error indicators of each level.
-    pub(crate) signs: Vec<Signs>,
+    pub(crate) signs: Vec<ErrorIndicators>,
     pub(crate) interval: Option<Interval>,
     /// Flags: the prediction interval is valid at a level.
     pub(crate) known: Vec<bool>,
@@ -68,7 +68,7 @@ impl Answer {
 
     /// Returns the state at one level.
     pub(crate) fn at(&self, level: usize) -> GraspState {
-        mixed(&[(self, level, 1.0)])
+        combined(&[(self, level, 1.0)])
     }
 
     /// Returns the upper ends of the prediction intervals (90 %) of a level.
@@ -104,7 +104,7 @@ impl Answer {
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
             touched(features, &state.pads, &self.loads.load[level], depth)
         };
-        let touched: Vec<(Vec<f64>, Signs)> = (0..levels).into_par_iter().map(of).collect();
+        let touched: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
         self.travel = touched.iter().flat_map(|(travel, _)| travel).copied().collect();
         self.signs = touched.into_iter().map(|(_, signs)| signs).collect();
     }
@@ -112,7 +112,7 @@ impl Answer {
 
 /// Returns the linear combination of decoded states, each given by its answer, level and weight; its error is the
 /// largest of theirs.
-pub(crate) fn mixed(parts: &[(&Answer, usize, f64)]) -> GraspState {
+pub(crate) fn combined(parts: &[(&Answer, usize, f64)]) -> GraspState {
     let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
     let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
     let error = errors.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN);

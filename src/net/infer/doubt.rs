@@ -13,7 +13,7 @@ use scene::Scene;
 ///
 /// # Errors
 /// Fails if the scene cannot be built, and for a model without prediction intervals.
-pub fn doubts(predictor: &Predictor, scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>> {
+pub fn predicted_errors(predictor: &Predictor, scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>> {
     if let Some(unknown) = predictor.card.unknown_error() {
         return Err(Error::Start(unknown));
     }

@@ -6,23 +6,23 @@
 //! push along each of two directions across the fingers. The change due to a push is proportional to the push and
 //! interpolated linearly between these forces, so that contact forces still balance it.
 
-use super::answer::{Answer, mixed};
+use super::answer::{Answer, combined};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::linear_response::{GraspLoad, around};
 use base::error::Result;
 use glam::DVec3;
 
 /// Number of forces; neighbours differ by a third if the largest force of an agent is seven times the smallest.
-const RUNGS: usize = 8;
+const FORCES: usize = 8;
 /// Indices of the forces decoded with pushes. More of them would hardly reduce the error, which is that of combining
 /// pushes linearly.
-const PUSHED: [usize; 3] = [0, 4, RUNGS - 1];
+const PUSHED: [usize; 3] = [0, 4, FORCES - 1];
 /// Push over the friction limit.
 const PUSH: f64 = 0.4;
 
 /// States of the pads of a grasp at increasing forces per finger, N.
 #[derive(Debug)]
-pub struct ForceLadder {
+pub struct ForceInterpolation {
     /// Forces per finger and their levels.
     rungs: Vec<(f64, usize)>,
     /// Forces per finger with pushes, and their levels: without a push, and of the first push.
@@ -34,7 +34,7 @@ pub struct ForceLadder {
     answer: Answer,
 }
 
-impl ForceLadder {
+impl ForceInterpolation {
     /// Decodes the states from the force `low` to `high`, N per finger.
     ///
     /// # Errors
@@ -46,8 +46,8 @@ impl ForceLadder {
         let directions: Vec<DVec3> =
             axes.filter(|_| pushes).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
         let push = PUSH * model.friction * model.fingers.len() as f64;
-        let step = (high / low).powf(1.0 / (RUNGS - 1) as f64);
-        let rungs: Vec<(f64, usize)> = (0..RUNGS).map(|k| (low * step.powi(k as i32), k)).collect();
+        let step = (high / low).powf(1.0 / (FORCES - 1) as f64);
+        let rungs: Vec<(f64, usize)> = (0..FORCES).map(|k| (low * step.powi(k as i32), k)).collect();
         let mut loads: Vec<GraspLoad> = rungs.iter().map(|(force, _)| (*force).into()).collect();
         let mut pushed = Vec::new();
         for (force, level) in PUSHED.iter().map(|rung| &rungs[*rung]) {
@@ -78,6 +78,6 @@ impl ForceLadder {
         }
         levels.retain(|(_, weight)| *weight != 0.0);
         let parts: Vec<_> = levels.into_iter().map(|(level, part)| (&self.answer, level, part)).collect();
-        Some(mixed(&parts))
+        Some(combined(&parts))
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Features are normalised. Sizes: `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
 
-use crate::autodiff::ops::{deviated, displaced, respond};
+use crate::autodiff::ops::{deviatoric_stress, displaced, respond};
 use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
@@ -61,7 +61,7 @@ pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> Pa
     let moved =
         respond(&silent, pad, &Matrix::constant(pad.forces, pad.forces, (0..pad.forces).flat_map(unit).collect()));
     let response = displaced(&silent, pad, &moved).value().to_vec();
-    let stress_response = deviated(&silent, pad, &moved).value().to_vec();
+    let stress_response = deviatoric_stress(&silent, pad, &moved).value().to_vec();
     let pairs = graph.edges.list.iter().flat_map(|(sender, receiver)| [*sender, *receiver]).collect();
     PadInputs {
         indices: vec![
@@ -97,7 +97,7 @@ fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
 /// n, 3): fraction of the force in the projected contact, and tangential over normal force; `depth_m`, `pressing_n` (L,
 /// P). For a free object between two pads also its equilibrium: `wrench` (L, 6, 3 P n): force and moment of a unit of
 /// each component of contact; `pull` (L, 6, 3 P n): contributions of a unit of each correction (pulls and twists of the
-/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `hangs`
+/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `load_about_midpoint`
 /// (L, 6): force and moment that the pads must carry.
 pub fn grasp_inputs(features: &GraspFeatures, loads: &LoadFeatures, normalisers: &Normalisers) -> Vec<Array<f32>> {
     let inputs = Inputs { features, normalisers, mirror: (false, false) };

@@ -6,7 +6,7 @@ use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::known_pads::KnownPads;
+use crate::linear_response::known_pads::PadGraphs;
 use crate::linear_response::pad_graph::{PadGraph, mesh_hash};
 use crate::linear_response::{GraspLoad, loads_of};
 use crate::network::card::{Card, Trained, WEIGHTS};
@@ -36,7 +36,7 @@ pub struct Predictor {
     /// The same network without a tape; None if its kind has no such engine.
     engine: Option<FaceEngine>,
     /// Graphs of the pads requested so far.
-    pub(crate) pads: KnownPads,
+    pub(crate) pads: PadGraphs,
 }
 
 /// Returns the mesh hash of the pads; empty without fingers.
@@ -130,7 +130,7 @@ impl Predictor {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        let pads = KnownPads::new(network.layout());
+        let pads = PadGraphs::new(network.layout());
         Self { card, network, parameters, engine, pads }
     }
 

@@ -8,7 +8,7 @@
 //! fields are smoother in the load than the network: a dozen loads of fifty are as close to finite elements as all.
 
 use super::FaceEngine;
-use super::answer::{Answer, mixed};
+use super::answer::{Answer, combined};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::linear_response::GraspLoad;
 use base::error::Result;
@@ -21,10 +21,10 @@ use std::ops::Range;
 const FEW: usize = 12;
 /// Largest ratio of the interpolation error of the displacement to the error predicted by the network: if both are
 /// independent, their combination is 2 % larger than the latter, sqrt(1.02^2 - 1).
-const OWN: f64 = 0.2;
+const LARGEST_ERROR_RATIO: f64 = 0.2;
 /// Smallest factor by which halving the distance between the loads reduces the error of the cubic polynomial, even at a
 /// kink.
-const FALL: f64 = 2.0;
+const ERROR_REDUCTION: f64 = 2.0;
 
 /// States of a grasp under increasing loads.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ impl Ramp {
     /// Returns the state under the load with index `load`; None after the last.
     pub fn at(&self, load: usize) -> Option<GraspState> {
         let piece = self.pieces.iter().find(|piece| piece.loads.contains(&load))?;
-        Some(mixed(&self.parts(piece, &piece.known, load)))
+        Some(combined(&self.parts(piece, &piece.known, load)))
     }
 
     /// Returns the largest upper ends of the prediction intervals (90 %) over all decoded states.
@@ -162,7 +162,7 @@ impl Ramp {
             // If the error is unknown, every load is decoded.
             let own = Some(self.answers[answer].error(level)).filter(ErrorBound::is_known);
             let own = own.map_or(0.0, |error| error.displacement);
-            if off > FALL * OWN * own * norm(&mut exact.iter().copied()) {
+            if off > ERROR_REDUCTION * LARGEST_ERROR_RATIO * own * norm(&mut exact.iter().copied()) {
                 missing.extend([[known[k - 1].0, load], [load, known[k + 1].0]].iter().filter_map(|[a, b]| {
                     let amid = a.midpoint(*b);
                     (amid != *a).then_some(amid)

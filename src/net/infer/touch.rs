@@ -6,20 +6,20 @@ use crate::features::GraspFeatures;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::object_motion::moved;
-use crate::network::interval::Signs;
+use crate::network::interval::ErrorIndicators;
 use glam::DVec3;
 use model::Model;
 use world::components::ObjectPose;
 
 /// Pressing force of a node, over the largest, below which the node is not used to locate the object.
-const FAINT: f64 = 1e-2;
+const SMALLEST_FORCE: f64 = 1e-2;
 /// Largest correction of the travel, over the thickness: a field that requires more is not reliable.
 const FARTHEST: f64 = 0.3;
 /// Mismatch and overlap, over the depth, below which values are not distinguished.
 const LEAST: f64 = 1e-3;
 
 /// Face node near the object.
-struct Beside {
+struct NearNode {
     /// Distance to the object minus the gap that the contact law implies for its force, m.
     gap: f64,
     /// Derivative of that distance with respect to the travel.
@@ -47,11 +47,16 @@ pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> 
 
 /// Returns the travel of each finger at which the force-weighted mean gap of its pressed nodes agrees with the contact
 /// law, and the error indicators of this answer, whose pads have the mean displacement `depth`, m.
-pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspLoad, depth: f64) -> (Vec<f64>, Signs) {
+pub(super) fn touched(
+    features: &GraspFeatures,
+    pads: &[PadState],
+    load: &GraspLoad,
+    depth: f64,
+) -> (Vec<f64>, ErrorIndicators) {
     let (model, t) = (&*features.model, features.graph.thickness);
     let object = object_at(model, &features.touch, pads);
     let [_, turn] = mean_motion(model, pads);
-    let nodes: Vec<Vec<Beside>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
+    let nodes: Vec<Vec<NearNode>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
     let sums = nodes.iter().map(|own| {
         let pressed = own.iter().filter(|n| n.force > 0.0);
         pressed.fold((0.0, 0.0), |(lacks, gains), n| (lacks - n.force * n.gap, gains + n.force * n.closing))
@@ -88,10 +93,10 @@ pub(super) fn touched(features: &GraspFeatures, pads: &[PadState], load: &GraspL
 }
 
 /// Column of a node's features with the difference between its gap and the smallest gap around it.
-const HIDDEN: usize = 26;
+const GAP_DIFFERENCE: usize = 26;
 
 /// Queries the object at the face nodes of pad `p` that are pressed or close to it.
-fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<Beside> {
+fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<NearNode> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
     let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
@@ -100,18 +105,18 @@ fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPos
     let columns = features.node.len() / (features.pads * graph.face.len());
     let of = |(i, node): (usize, &u32)| {
         let force = -pad.contact[*node as usize].z;
-        let force = if force > FAINT * most { force } else { 0.0 };
+        let force = if force > SMALLEST_FORCE * most { force } else { 0.0 };
         let place = finger.placement.place(graph.rest[i] + pad.displacement[*node as usize]) + carried;
         // A node without pressing force matters only if it penetrates the object.
         let reach = if force > 0.0 { f64::INFINITY } else { finger.law.offset };
         let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
         let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.least());
         let wanted = if force > 0.0 { wanted } else { 0.0 };
-        Some(Beside {
+        Some(NearNode {
             gap: closest.distance - wanted,
             closing: (object.rotation * closest.normal).dot(finger.placement.closing),
             force,
-            hidden: f64::from(features.node[(p * graph.face.len() + i) * columns + HIDDEN]),
+            hidden: f64::from(features.node[(p * graph.face.len() + i) * columns + GAP_DIFFERENCE]),
         })
     };
     graph.face.iter().enumerate().filter_map(of).collect()

@@ -26,7 +26,7 @@ const TWIST: usize = 3;
 
 /// Pad under a load.
 #[derive(Debug, Clone)]
-pub struct Pressed {
+pub struct PadLoad {
     /// Force with which it presses.
     pub force: f64,
     /// Rotation from its axes to those of the hand.
@@ -36,7 +36,7 @@ pub struct Pressed {
     pub nodes: Vec<(DVec3, f64)>,
 }
 
-impl Pressed {
+impl PadLoad {
     /// Returns the modes of each node: its fraction of a pull along x or y, and of a twist (x and y of its arm over the
     /// radius of gyration).
     fn modes(&self) -> Vec<[f64; 3]> {
@@ -60,7 +60,7 @@ pub struct ObjectBalance {
     axes: [[[f32; 3]; 3]; 2],
     /// Point of application of the force of each node, pad by pad.
     place: Vec<[f32; 3]>,
-    /// Modes of each node, see [`Pressed::modes`].
+    /// Modes of each node, see [`PadLoad::modes`].
     modes: Vec<[f32; 3]>,
     /// Map from the imbalance to pulls and twists.
     inverse: [[f32; EQUATIONS]; EQUATIONS],
@@ -71,13 +71,13 @@ pub struct ObjectBalance {
 impl ObjectBalance {
     /// Creates the balance between `pads`; `pull` is the force and moment of the other loads on the object, about the
     /// origin.
-    pub fn new(pads: &[Pressed; 2], pull: [DVec3; 2]) -> Self {
+    pub fn new(pads: &[PadLoad; 2], pull: [DVec3; 2]) -> Self {
         let axes = pads.each_ref().map(|pad| {
             let [x, y, z] =
                 [pad.rotation.x_axis, pad.rotation.y_axis, pad.rotation.z_axis].map(|axis| axis * pad.force);
             [-z, x, y]
         });
-        let modes: Vec<[f64; 3]> = pads.iter().flat_map(Pressed::modes).collect();
+        let modes: Vec<[f64; 3]> = pads.iter().flat_map(PadLoad::modes).collect();
         let place: Vec<DVec3> = pads.iter().flat_map(|pad| pad.nodes.iter().map(|n| n.0)).collect();
         // Force and moment per unit of each pull and twist.
         let mut given = Mat::<f64>::zeros(EQUATIONS, EQUATIONS);

@@ -64,7 +64,7 @@ impl Compliance {
         let width = 3 * moving.len();
         let mut rows = Vec::with_capacity(3 * face.len() * width);
         let around = match &refined {
-            Some(refined) => refined.hats(finger, face),
+            Some(refined) => refined.hat_forces(finger, face),
             None => face.iter().map(|node| vec![(*node, 1.0)]).collect(),
         };
         let axes = [turn.x_axis, turn.y_axis, turn.z_axis];

@@ -29,9 +29,9 @@ pub struct GeometricContact {
 
 /// Stepper without systems.
 #[derive(Debug)]
-struct Still;
+struct NoStepper;
 
-impl Stepper for Still {
+impl Stepper for NoStepper {
     fn name(&self) -> &'static str {
         "still"
     }
@@ -61,10 +61,10 @@ impl GeometricContact {
     pub fn find_in(kept: &mut Option<Environment>, model: &Arc<Model>, pose: Pose) -> Result<Self> {
         let environment = match kept {
             Some(environment) => {
-                environment.restart(&Still, pose)?;
+                environment.restart(&NoStepper, pose)?;
                 environment
             }
-            None => kept.insert(Environment::new(model, &Still, pose)?),
+            None => kept.insert(Environment::new(model, &NoStepper, pose)?),
         };
         loop {
             match environment.step() {

@@ -10,12 +10,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Graphs of the pads used so far.
 #[derive(Debug)]
-pub struct KnownPads {
+pub struct PadGraphs {
     layout: Layout,
     graphs: Mutex<Vec<Arc<PadGraph>>>,
 }
 
-impl KnownPads {
+impl PadGraphs {
     /// Creates the empty list for a network of this layout.
     pub fn new(layout: Layout) -> Self {
         Self { layout, graphs: Mutex::default() }
@@ -25,7 +25,7 @@ impl KnownPads {
     /// the user's cache, or computed in parallel.
     ///
     /// # Errors
-    /// Fails as [`PadGraph::keeping`] does, and if it is interrupted.
+    /// Fails as [`PadGraph::with_cache`] does, and if it is interrupted.
     pub fn of(&self, fingers: &[&FingerModel]) -> Result<Vec<Arc<PadGraph>>> {
         let named: Vec<(String, f64)> =
             fingers.iter().map(|finger| (mesh_hash(&finger.topology), finger.body.material.moduli().poisson)).collect();
@@ -42,7 +42,7 @@ impl KnownPads {
         let cache = ComplianceCache::of_user();
         let made = new.par_iter().map(|i| {
             interrupt::check()?;
-            Ok(Arc::new(PadGraph::keeping(fingers[*i], self.layout, cache.as_ref())?))
+            Ok(Arc::new(PadGraph::with_cache(fingers[*i], self.layout, cache.as_ref())?))
         });
         graphs.extend(made.collect::<Result<Vec<_>>>()?);
         Ok(named.iter().filter_map(|name| find(&graphs, name)).collect())

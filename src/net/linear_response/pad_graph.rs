@@ -78,14 +78,14 @@ impl PadGraph {
     /// # Errors
     /// Fails for a pad without a sensing face, or whose stiffness in the reference state is not positive definite.
     pub fn new(finger: &FingerModel, layout: Layout) -> Result<Self> {
-        Self::keeping(finger, layout, None)
+        Self::with_cache(finger, layout, None)
     }
 
     /// Creates the graph, with a linear response that is read from `cache` or computed and written there.
     ///
     /// # Errors
     /// Fails for a pad without a sensing face, or whose stiffness in the reference state is not positive definite.
-    pub fn keeping(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
+    pub fn with_cache(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
         let pad = &finger.topology;
         let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let thickness = pad.thickness();
@@ -196,7 +196,7 @@ fn gradient(rest: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<(u32, DVec2)>> {
 }
 
 /// Excess of a distance to the rim, over the thickness, at which its weight in the mean falls to 1/e.
-const ALIKE: f64 = 0.1;
+const RIM_DECAY: f64 = 0.1;
 
 /// Computes the distance of each face node from the rim (the edges of one triangle only), and the vector to it.
 fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, DVec2)> {
@@ -217,7 +217,7 @@ fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, D
         });
         let ways: Vec<DVec2> = to.collect();
         let least = ways.iter().map(|way| way.length()).fold(f64::INFINITY, f64::min);
-        let weight = |way: &DVec2| (-(way.length() - least) / (ALIKE * thickness)).exp();
+        let weight = |way: &DVec2| (-(way.length() - least) / (RIM_DECAY * thickness)).exp();
         let (sum, whole) =
             ways.iter().fold((DVec2::ZERO, 0.0), |(sum, whole), way| (sum + *way * weight(way), whole + weight(way)));
         if whole > 0.0 { (least, sum / whole) } else { (0.0, DVec2::ZERO) }

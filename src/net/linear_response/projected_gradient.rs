@@ -28,7 +28,7 @@ type Lanes = [f64; LANES];
 
 /// Face node under load, pad frame; lengths over the thickness, forces over `E t^2`.
 #[derive(Debug, Clone, Copy)]
-pub struct Touching {
+pub struct ContactNode {
     /// Node of the pad.
     pub node: usize,
     /// Normal of the object; the same under all loads.
@@ -43,11 +43,11 @@ pub struct Touching {
 
 /// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns, for each, the forces on all of
 /// `face`, and the additional closing of the pad that they require.
-pub fn projected_contact(compliance: &Compliance, face: &[Vec<Touching>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
+pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
     // Participation of each node, from zero to one: smooth, so that the forces do not jump when a node comes near.
-    let part = |(load, deepest): (&Vec<Touching>, &f64)| -> Vec<f64> {
-        let of = |node: &Touching| {
+    let part = |(load, deepest): (&Vec<ContactNode>, &f64)| -> Vec<f64> {
+        let of = |node: &ContactNode| {
             let near = (node.pressed / (REACH * deepest.max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
             if node.normal == DVec3::ZERO { 0.0 } else { near * near * (3.0 - 2.0 * near) }
         };
@@ -117,7 +117,7 @@ struct ProjectedGradient {
 impl ProjectedGradient {
     fn new(
         compliance: &Compliance,
-        face: &[Vec<Touching>],
+        face: &[Vec<ContactNode>],
         near: &[usize],
         deepest: &[f64],
         takes_part: &[Vec<f64>],

@@ -35,7 +35,7 @@ impl RefinedPad {
 
     /// Returns the nodal forces of a unit force around each of the nodes `face` of the pad of `finger`: the traction is
     /// a hat function, which falls linearly to zero at the neighbours.
-    pub fn hats(&self, finger: &FingerModel, face: &[u32]) -> Vec<Vec<(u32, f64)>> {
+    pub fn hat_forces(&self, finger: &FingerModel, face: &[u32]) -> Vec<Vec<(u32, f64)>> {
         let own: BTreeMap<u32, usize> = face.iter().enumerate().map(|(i, n)| (*n, i)).collect();
         let (mut whole, mut parts) = (vec![0.0; face.len()], vec![BTreeMap::new(); face.len()]);
         for t in &finger.topology.sensing {

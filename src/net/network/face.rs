@@ -15,8 +15,8 @@
 
 use super::{Inputs, Network, NetworkOutput, constant, repeat};
 use crate::autodiff::ops::{
-    Activation, apply, balanced, deviated, displaced, layer_norm, linear, product, reshape, respond, share, sum,
-    von_mises,
+    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, product, reshape, respond, share,
+    sum, von_mises,
 };
 use crate::autodiff::real::Real;
 use crate::autodiff::tape::{Matrix, Tape};
@@ -24,7 +24,7 @@ use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, NODE, PAD};
 use crate::linear_response::pad_graph::Layout;
 use crate::matrix::Sparse;
-use crate::network::parameters::{Id, Maker, Parameters};
+use crate::network::parameters::{Id, ParameterBuilder, Parameters};
 use crate::network::spec::Face;
 use std::sync::Arc;
 
@@ -79,8 +79,9 @@ struct Pools {
 }
 
 impl Pools {
-    fn new<T: Real>(maker: &mut Maker<T>, name: &str, latent: usize) -> Self {
-        let weight = |maker: &mut Maker<T>, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
+    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, latent: usize) -> Self {
+        let weight =
+            |maker: &mut ParameterBuilder<T>, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
         let weights = ["mean", "near", "other_mean", "other_near"].map(|part| weight(maker, part));
         Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
     }
@@ -108,15 +109,15 @@ impl Pools {
 
 impl FaceNetwork {
     /// Creates the network with initial values from `maker`.
-    pub fn new<T: Real>(sizes: &Face, maker: &mut Maker<T>) -> Self {
+    pub fn new<T: Real>(sizes: &Face, maker: &mut ParameterBuilder<T>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
-        let layer = |maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64| {
+        let layer = |maker: &mut ParameterBuilder<T>, name: &str, rows: usize, cols: usize, gain: f64| {
             Layer(
                 maker.weight(&format!("{name}.weight"), rows, cols, gain),
                 maker.row(&format!("{name}.bias"), cols, 0.0),
             )
         };
-        let norm = |maker: &mut Maker<T>, name: &str| {
+        let norm = |maker: &mut ParameterBuilder<T>, name: &str| {
             Layer(maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0))
         };
         let start = layer(maker, "start.node", NODE.len(), h, 1.0);
@@ -283,7 +284,7 @@ fn linear_response<T: Real>(
     let given = displaced(tape, pad, &moved);
     let mirrored = apply(tape, &diagonal(&[x * unit, y * unit, unit]), &reshape(tape, &given, 3 * given.rows));
     // The von Mises norm is invariant under mirrors.
-    (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviated(tape, pad, &moved)))
+    (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviatoric_stress(tape, pad, &moved)))
 }
 
 /// Returns the projected contact on each node: the logarithm of its fraction of the force, and tangential over normal

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// Error indicators of an answer, all dimensionless: the constant 1; logarithms of the mismatch of the pressed nodes
 /// and of the deepest overlap with the object, over the depth, and of depth over thickness; rotation of the object;
 /// difference between nodal gaps and the smallest gaps around them, over the depth; push over force.
-pub type Signs = [f64; 7];
+pub type ErrorIndicators = [f64; 7];
 
 /// Indicators whose increase must never narrow an interval: all except the constant and the depth.
 const RISKS: [usize; 5] = [1, 2, 4, 5, 6];
@@ -32,7 +32,7 @@ const RIDGE: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
     /// Coefficients of the logarithm of the error, one per indicator.
-    weights: Signs,
+    weights: ErrorIndicators,
     /// Factor from the estimate to the end of the interval.
     factor: f64,
 }
@@ -48,10 +48,10 @@ pub struct Interval {
 }
 
 /// Indicators and relative errors of the levels of a grasp held out from the training.
-pub type Kept = Vec<(Signs, [f64; 3])>;
+pub type Kept = Vec<(ErrorIndicators, [f64; 3])>;
 
 impl Bound {
-    fn fit(levels: &[(Signs, f64)], others: &[(Signs, f64)]) -> Option<Self> {
+    fn fit(levels: &[(ErrorIndicators, f64)], others: &[(ErrorIndicators, f64)]) -> Option<Self> {
         const N: usize = 7;
         let (mut matrix, mut right) = (Mat::<f64>::zeros(N, N), Mat::<f64>::zeros(N, 1));
         for (signs, error) in levels {
@@ -64,7 +64,7 @@ impl Bound {
         (0..N).for_each(|i| matrix[(i, i)] += RIDGE * levels.len() as f64);
         // Non-negative least squares (active set): the most negative weight of a risk is fixed at zero, one at a time.
         let mut used = [true; N];
-        let weights: Signs = loop {
+        let weights: ErrorIndicators = loop {
             let held =
                 |i: usize, j: usize| if used[i] && used[j] { matrix[(i, j)] } else { f64::from(u8::from(i == j)) };
             let wanted = Mat::from_fn(N, 1, |i, _| if used[i] { right[(i, 0)] } else { 0.0 });
@@ -83,7 +83,7 @@ impl Bound {
     }
 
     /// Returns the upper end of the interval for an answer with these indicators.
-    fn at(&self, signs: &Signs) -> f64 {
+    fn at(&self, signs: &ErrorIndicators) -> f64 {
         self.factor * self.weights.iter().zip(signs).map(|(w, s)| w * s).sum::<f64>().clamp(-10.0, 10.0).exp()
     }
 
@@ -99,7 +99,7 @@ impl Interval {
         if kept.len() < FEWEST {
             return None;
         }
-        let half = |odd: usize, k: usize| -> Vec<(Signs, f64)> {
+        let half = |odd: usize, k: usize| -> Vec<(ErrorIndicators, f64)> {
             let grasps = kept.iter().enumerate().filter(|(i, _)| i % 2 == odd);
             grasps.flat_map(|(_, levels)| levels.iter().map(|(signs, errors)| (*signs, errors[k]))).collect()
         };
@@ -108,7 +108,7 @@ impl Interval {
     }
 
     /// Returns the upper ends of the intervals for an answer with these indicators.
-    pub fn at(&self, signs: &Signs) -> ErrorBound {
+    pub fn at(&self, signs: &ErrorIndicators) -> ErrorBound {
         ErrorBound {
             displacement: self.displacement.at(signs),
             stress: self.stress.at(signs),

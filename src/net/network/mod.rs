@@ -10,7 +10,7 @@ pub mod parameters;
 pub mod shipped;
 pub mod spec;
 
-use self::parameters::{Maker, Parameters};
+use self::parameters::{ParameterBuilder, Parameters};
 use self::spec::NetworkSpec;
 use super::autodiff::real::Real;
 use super::autodiff::tape::{Matrix, Tape};
@@ -171,7 +171,7 @@ pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
 
 /// Builds the network of a description and its initial values; without a seed all weights are zero.
 pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
-    let mut maker = Maker::new(seed);
+    let mut maker = ParameterBuilder::new(seed);
     let network: Box<dyn Network<T>> = match spec {
         NetworkSpec::Face(sizes) => Box::new(face::FaceNetwork::new(sizes, &mut maker)),
         NetworkSpec::Paper(sizes) => Box::new(paper::PaperNetwork::new(sizes, &mut maker)),

@@ -19,7 +19,7 @@ use crate::features::loads::LoadFeatures;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::pad_graph::Layout;
-use crate::network::parameters::{Id, Maker, Parameters};
+use crate::network::parameters::{Id, ParameterBuilder, Parameters};
 use crate::network::spec::Paper;
 
 /// Weights and bias of a layer.
@@ -27,7 +27,7 @@ use crate::network::spec::Paper;
 struct Layer(Id, Id);
 
 impl Layer {
-    fn new<T: Real>(maker: &mut Maker<T>, name: &str, rows: usize, cols: usize, gain: f64) -> Self {
+    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, rows: usize, cols: usize, gain: f64) -> Self {
         let weight = maker.weight(&format!("{name}.weight"), rows, cols, gain);
         Self(weight, maker.row(&format!("{name}.bias"), cols, 0.0))
     }
@@ -49,7 +49,7 @@ struct Mlp {
 }
 
 impl Mlp {
-    fn new<T: Real>(maker: &mut Maker<T>, name: &str, inputs: &[usize], h: usize) -> Self {
+    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, inputs: &[usize], h: usize) -> Self {
         let gain = 2.0 / inputs.len() as f64;
         let first = |(i, n): (usize, &usize)| (format!("{name}.input{i}"), *n);
         Self {
@@ -93,7 +93,7 @@ pub struct PaperNetwork {
 
 impl PaperNetwork {
     /// Creates the network with initial values from `maker`.
-    pub fn new<T: Real>(sizes: &Paper, maker: &mut Maker<T>) -> Self {
+    pub fn new<T: Real>(sizes: &Paper, maker: &mut ParameterBuilder<T>) -> Self {
         let h = sizes.latent.get();
         let inputs = [("node", VOLUME_NODE.len()), ("mesh", MESH_EDGE.len()), ("contact", CONTACT_EDGE.len())];
         Self {

@@ -21,12 +21,12 @@ pub struct Id(usize);
 
 /// Builder of the parameters of a network, with random initial values.
 #[derive(Debug)]
-pub struct Maker<T: Real = f32> {
+pub struct ParameterBuilder<T: Real = f32> {
     random: Option<Random>,
     parameters: Parameters<T>,
 }
 
-impl<T: Real> Maker<T> {
+impl<T: Real> ParameterBuilder<T> {
     /// Creates a builder. Equal seeds yield equal parameters; without a seed weights are zero, to be loaded from a
     /// file.
     pub fn new(seed: Option<u64>) -> Self {

@@ -7,7 +7,7 @@ use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::features::{EDGE, NODE, PAD, Parity};
-use crate::linear_response::known_pads::KnownPads;
+use crate::linear_response::known_pads::PadGraphs;
 use crate::linear_response::pad_graph::Layout;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{Sample, model_of};
@@ -66,7 +66,7 @@ pub fn plan(sets: &[DataSet]) -> String {
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mixture that one model cannot represent, and if there is no grasp.
-pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+pub fn read(sets: &[(&DataSet, &Poses)], known: &PadGraphs, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
     for (set, poses) in sets {
         if let Some(damaged) = set.damaged.first() {
@@ -99,7 +99,7 @@ pub fn read(sets: &[(&DataSet, &Poses)], known: &KnownPads, frames: usize) -> Re
 /// Splits the fraction `part` of `samples` off, by a permutation of `seed`: (remaining, held out). With thirty objects
 /// or more, they are held out object by object, since grasps of the same object are correlated. At least one sample
 /// remains and, of two or more, at least one is held out.
-pub fn set_aside(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
+pub fn split_validation(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Sample>, Vec<Sample>) {
     let mut random = Random::new(seed);
     let mut objects: Vec<String> = samples.iter().map(|s| s.object.clone()).collect();
     objects.dedup();

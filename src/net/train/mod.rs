@@ -19,11 +19,11 @@ use super::features::VERSION;
 use super::features::range::TrainedRange;
 use super::infer::predict::Predictor;
 use super::network::card::{CARD, Card};
-use super::network::interval::{Interval, Kept, Signs};
+use super::network::interval::{ErrorIndicators, Interval, Kept};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Inputs, Network, Normalisers, build};
-use crate::linear_response::known_pads::KnownPads;
+use crate::linear_response::known_pads::PadGraphs;
 use adam::Adam;
 use base::error::{Error, Result};
 use base::files::lock::FolderLock;
@@ -92,11 +92,11 @@ impl Trainer {
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
-        let (samples, range) = data::read(&all, &KnownPads::new(network.layout()), spec.training.frames.get())?;
+        let (samples, range) = data::read(&all, &PadGraphs::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
         }
-        let (samples, validation) = data::set_aside(samples, spec.training.validation.get(), spec.training.seed);
+        let (samples, validation) = data::split_validation(samples, spec.training.validation.get(), spec.training.seed);
         let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
         let adam = Adam::new(&parameters);
         let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
@@ -244,7 +244,7 @@ impl Trainer {
         let kept = self.validation.par_iter().map(|sample| {
             interrupt::check()?;
             let answer = predictor.answer(&predictor.encode(sample.features.clone()), &sample.given)?;
-            let level = |(k, signs): (usize, &Signs)| {
+            let level = |(k, signs): (usize, &ErrorIndicators)| {
                 let error = frame_error(sample, k, &answer.at(k));
                 (*signs, [error.displacement, error.stress, error.travel])
             };

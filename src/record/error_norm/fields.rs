@@ -65,9 +65,9 @@ impl Stencils {
 
 /// Interpolation of the fields of a frame at points.
 #[derive(Debug)]
-pub struct Probe(Stencils);
+pub struct FieldInterpolation(Stencils);
 
-impl Probe {
+impl FieldInterpolation {
     /// Locates the points in the elements of a pad.
     pub fn new(points: &Points, pad: &PadTopology) -> Self {
         Self(Stencils::new(&points.position, pad))
@@ -198,13 +198,13 @@ mod tests {
         };
         let pad =
             PadTopology { rest: fine.nodes, elements: ElementNodes::Quadratic(fine.tets), ..PadTopology::default() };
-        let fields = Probe::new(&points, &pad).fields(&frame);
+        let fields = FieldInterpolation::new(&points, &pad).fields(&frame);
         for (k, x) in points.position.iter().enumerate() {
             assert!((fields.stress[k] - field(*x)).abs() < 1e-12);
             assert!((fields.displacement[k] - DVec3::new(field(*x), x.y, 0.0)).length() < 1e-12);
         }
         let outside = Points { position: vec![DVec3::new(1.1, 0.5, 0.5)], volume: vec![1.0] };
-        let at_the_rim = Probe::new(&outside, &pad).fields(&frame).displacement[0];
+        let at_the_rim = FieldInterpolation::new(&outside, &pad).fields(&frame).displacement[0];
         assert!((at_the_rim.y - 0.5).abs() < 0.2, "a point outside takes the nearest values: {at_the_rim}");
     }
 }

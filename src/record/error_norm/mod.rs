@@ -5,4 +5,4 @@ pub mod apart;
 pub mod fields;
 
 pub use apart::Distance;
-pub use fields::{Fields, Points, Probe};
+pub use fields::{FieldInterpolation, Fields, Points};

@@ -1,7 +1,7 @@
 //! Charts as PNG and SVG, drawn by the same code.
 
 use super::draw::{PAPER, clear};
-use super::sheet::Sheet;
+use super::sheet::PixmapBackend;
 use super::text::Label;
 use crate::render::{Pixmap, save};
 use base::error::{Error, Result};
@@ -57,7 +57,7 @@ pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()
     write_atomic(&png.with_extension("svg"), svg.as_bytes())?;
     let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
     clear(&mut page, PAPER);
-    draw(&Sheet::new(&mut page, &Label::new()?).into_drawing_area(), picture).map_err(refuse)?;
+    draw(&PixmapBackend::new(&mut page, &Label::new()?).into_drawing_area(), picture).map_err(refuse)?;
     save(&page, &png)
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Cosine of the crease angle (40 degrees): faces whose normals differ by more do not share a vertex normal.
-const CREASE: f64 = 0.766;
+const CREASE_COSINE: f64 = 0.766;
 
 /// Returns the normal at each corner of each triangle: the area-weighted mean over the faces at that vertex whose
 /// normals differ by less than the crease angle.
@@ -24,7 +24,7 @@ pub fn corner_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3
     let smooth = |face: usize, node: u32| {
         let own = faces[face].normalize_or_zero();
         let near = around[node as usize].iter().map(|&f| faces[f as usize]);
-        near.filter(|n| n.normalize_or_zero().dot(own) > CREASE).sum::<DVec3>().normalize_or(own)
+        near.filter(|n| n.normalize_or_zero().dot(own) > CREASE_COSINE).sum::<DVec3>().normalize_or(own)
     };
     triangles.iter().enumerate().map(|(face, t)| t.map(|node| smooth(face, node))).collect()
 }

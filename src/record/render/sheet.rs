@@ -12,12 +12,12 @@ use tiny_skia::Pixmap;
 const BASE: f32 = 0.75;
 
 /// Backend that implements single pixels and text; `plotters` rasterises lines and areas.
-pub struct Sheet<'a> {
+pub struct PixmapBackend<'a> {
     pixmap: &'a mut Pixmap,
     label: &'a Label,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> PixmapBackend<'a> {
     /// Creates a backend that draws on `pixmap`.
     pub fn new(pixmap: &'a mut Pixmap, label: &'a Label) -> Self {
         Self { pixmap, label }
@@ -31,7 +31,7 @@ impl<'a> Sheet<'a> {
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
-impl DrawingBackend for Sheet<'_> {
+impl DrawingBackend for PixmapBackend<'_> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {

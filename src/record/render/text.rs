@@ -38,7 +38,7 @@ impl Label {
         text.chars().map(|c| font.h_advance(font.glyph_id(c))).sum()
     }
 
-    /// Returns `text`, truncated with an ellipsis if it is wider than `room` pixels.
+    /// Returns `text`, truncated with an ellipsis if it is wider than `padded_bounds` pixels.
     pub fn fit(&self, text: &str, size: f32, room: f32) -> String {
         if self.width(text, size) <= room {
             return text.to_string();

@@ -20,10 +20,10 @@ const OBJECT_RGB: [f32; 3] = [226.0, 219.0, 206.0];
 const OBJECT_CUT_RGB: [f32; 3] = [212.0, 205.0, 192.0];
 
 /// Depth offset too small to be visible, m.
-const HAIR: f64 = 1e-6;
+const DEPTH_OFFSET: f64 = 1e-6;
 
 /// Offset of the cut from the middle, m, so that all nodes in the middle plane lie on one side of the cut.
-const ASIDE: f64 = 1e-7;
+const CUT_OFFSET: f64 = 1e-7;
 
 /// Content of the view.
 pub struct CutView<'a> {
@@ -111,7 +111,7 @@ impl CutView<'_> {
         let mut camera = Camera::new();
         camera.fit(&pads, &object, DVec2::new(f64::from(size.0), f64::from(size.1)));
         let middle = pads.iter().map(|p| p.y).sum::<f64>() / pads.len().max(1) as f64;
-        let plane = self.cut.then_some(CutPlane { normal: -DVec3::Y, offset: ASIDE - middle });
+        let plane = self.cut.then_some(CutPlane { normal: -DVec3::Y, offset: CUT_OFFSET - middle });
         let mut raster = Raster::new(size.0 as usize, size.1 as usize);
         for index in 0..self.topologies.len() {
             self.pad(&mut raster, &camera, plane, index);
@@ -122,7 +122,7 @@ impl CutView<'_> {
             if let Some(plane) = plane {
                 // The section of the object is drawn in the cut plane, slightly behind the section of the pads, instead
                 // of at the depth of the far side.
-                solid.move_to(OBJECT_CUT, |x, y| camera.depth(plane, DVec2::new(x, y)) + HAIR);
+                solid.move_to(OBJECT_CUT, |x, y| camera.depth(plane, DVec2::new(x, y)) + DEPTH_OFFSET);
             }
             raster.merge(&solid);
         }

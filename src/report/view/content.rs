@@ -1,6 +1,6 @@
 //! Content of the served page: state and report of a folder.
 
-use crate::{Page, PageBlock, Section, Wishes, holds_results, report};
+use crate::{Page, PageBlock, ReportOptions, Section, holds_results, report};
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -15,14 +15,14 @@ const FRAMES: &str = "frames";
 #[derive(Debug)]
 pub struct Content {
     dir: PathBuf,
-    wishes: Wishes,
+    wishes: ReportOptions,
     /// State, and the page generated for it.
     made: Mutex<(String, String)>,
 }
 
 impl Content {
     /// Creates the content of a folder, which need not exist yet.
-    pub fn new(dir: PathBuf, wishes: Wishes) -> Self {
+    pub fn new(dir: PathBuf, wishes: ReportOptions) -> Self {
         Self { dir, wishes, made: Mutex::default() }
     }
 

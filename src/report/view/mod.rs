@@ -7,7 +7,7 @@
 mod content;
 mod server;
 
-use crate::Wishes;
+use crate::ReportOptions;
 use base::error::Result;
 use base::interrupt;
 use content::Content;
@@ -27,7 +27,7 @@ impl Viewer {
     ///
     /// # Errors
     /// Fails if the port is in use, or if no thread can be started.
-    pub fn start(dir: PathBuf, wishes: Wishes, port: u16) -> Result<Self> {
+    pub fn start(dir: PathBuf, wishes: ReportOptions, port: u16) -> Result<Self> {
         let content = Content::new(dir, wishes);
         let answer = move |path: &str| match path {
             "/" => Some(Reply { kind: "text/html; charset=utf-8", body: content.page() }),

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Maximum size of a request head, bytes.
 const MOST: usize = 16 * 1024;
 /// Maximum number of concurrent requests.
-const AT_ONCE: usize = 32;
+const MAX_CONCURRENT: usize = 32;
 /// Timeout for the whole request, so that a slow client does not occupy a thread for longer.
 const REQUEST: Duration = Duration::from_secs(5);
 /// Timeout for the whole answer, long enough for a page of some megabytes through a slow tunnel.
@@ -85,7 +85,7 @@ where
         }
         // Closed connections and those beyond the limit are dropped; the page retries.
         let Ok(stream) = stream else { continue };
-        if running.load(Ordering::SeqCst) >= AT_ONCE {
+        if running.load(Ordering::SeqCst) >= MAX_CONCURRENT {
             continue;
         }
         running.fetch_add(1, Ordering::SeqCst);
@@ -209,7 +209,7 @@ fn path(head: &[u8]) -> Option<std::result::Result<String, Refusal>> {
     let mut hosts = request.headers.iter().filter(|h| h.name.eq_ignore_ascii_case("host"));
     let host = hosts.next().and_then(|host| std::str::from_utf8(host.value).ok());
     Some(match (host, hosts.next(), request.method, request.path) {
-        (Some(host), None, ..) if !is_here(host) => Err(Refusal::ForeignHost),
+        (Some(host), None, ..) if !is_local_host(host) => Err(Refusal::ForeignHost),
         (Some(_), None, Some("GET"), Some(path)) => Ok(path.split('?').next().unwrap_or_default().into()),
         (Some(_), None, Some(_), _) => Err(Refusal::NotGet),
         _ => Err(Refusal::BadRequest),
@@ -218,7 +218,7 @@ fn path(head: &[u8]) -> Option<std::result::Result<String, Refusal>> {
 
 /// Returns true if `host` is a name of this machine. This prevents DNS rebinding: a foreign page whose name resolves to
 /// this address sends its own name. Any port is accepted, because a tunnel has another port.
-fn is_here(host: &str) -> bool {
+fn is_local_host(host: &str) -> bool {
     let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
     matches!(name, "127.0.0.1" | "localhost")
 }

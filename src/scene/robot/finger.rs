@@ -93,7 +93,7 @@ pub(super) fn closing(
     // The pads are compared at mid-range, because with the joints at zero they may have passed each other.
     let apart = right.amid() - left.amid();
     let along = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
-    let closing = deviation.squared(along);
+    let closing = deviation.snapped(along);
     if closing.dot(approach) != 0.0 {
         return Err(format!(
             "the fingers close along {along}; the approach {approach} must be perpendicular to that within {ANGLE} rad"

@@ -46,8 +46,8 @@ pub(super) fn place(
     deviation: &mut Deviation,
 ) -> Result<(SoftPad, DVec3), String> {
     let back = tag.pose.matrix3.transpose();
-    let outward = deviation.squared(back * closing);
-    let across = deviation.squared(back * approach).reject_from_normalized(outward).normalize();
+    let outward = deviation.snapped(back * closing);
+    let across = deviation.snapped(back * approach).reject_from_normalized(outward).normalize();
     let mesh = &tag.mesh;
     let in_link = |x: DVec3| tag.pose.transform_point3(x * tag.scale);
     let (raw, _) = read_tet_mesh_raw(mesh).map_err(|e| plain(&e))?;

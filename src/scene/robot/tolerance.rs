@@ -22,7 +22,7 @@ pub(super) struct Deviation {
 impl Deviation {
     /// Returns a unit vector with components below [`ANGLE`] set to zero: a vector within that angle of an axis is
     /// snapped to it.
-    pub fn squared(&mut self, v: DVec3) -> DVec3 {
+    pub fn snapped(&mut self, v: DVec3) -> DVec3 {
         let squared = DVec3::from_array(v.to_array().map(|c| if c.abs() < ANGLE { 0.0 } else { c })).normalize();
         self.add_angle(v, squared);
         squared
@@ -32,7 +32,7 @@ impl Deviation {
     /// otherwise unchanged.
     pub fn turned(&mut self, rotation: DMat3) -> DMat3 {
         let mut own = Self::default();
-        let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| own.squared(axis));
+        let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| own.snapped(axis));
         if axes.iter().any(|axis| axis.abs().max_element() < 1.0) {
             return rotation;
         }

@@ -92,16 +92,16 @@ impl Default for Universe {
 /// Standard gravity, by which weights are converted to densities, m/s2.
 const GRAVITY: f64 = 9.81;
 /// Largest weight over the friction limit: at the final force, and at the force at which the object is released.
-const HELD: [f64; 2] = [0.4, 0.45];
+const WEIGHT_LIMITS: [f64; 2] = [0.4, 0.45];
 /// Fraction of the frames that belong to the push.
 const PUSH_FRAMES: f64 = 0.4;
 /// Friction limit of the torque about the closing direction over the friction limit of the force and the pad thickness:
 /// that of a circular contact with a radius of 0.6 thicknesses under uniform pressure.
-const TWIST: f64 = 0.4;
+const TORQUE_RATIO: f64 = 0.4;
 /// Largest width of an object over the opening of the gripper.
 const WIDEST: f64 = 0.5;
 /// Largest angle between the closing axis and the normals in perpendicular grasps, degrees.
-const SQUARE: f64 = 1e-3;
+const PERPENDICULAR_TILT_DEG: f64 = 1e-3;
 
 /// Streams of random numbers for objects and for sensors.
 const OBJECTS: u64 = 0;
@@ -197,12 +197,12 @@ impl Universe {
         let spec = gripper.material.spec();
         let force = written(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
         let square = draws.is_in(self.square.get()) && family.has_faces();
-        let tilt = if square { Positive::preset(SQUARE) } else { defaults::TILT };
+        let tilt = if square { Positive::preset(PERPENDICULAR_TILT_DEG) } else { defaults::TILT };
         let single = draws.is_in(self.single.get());
         let release = written((draws.factor(&self.release) * 2.0 * spec.young * thickness * thickness).min(force));
-        let weight = self.weight.get().min(HELD[0] * friction) * force * draws.between(0.05, 1.0);
+        let weight = self.weight.get().min(WEIGHT_LIMITS[0] * friction) * force * draws.between(0.05, 1.0);
         let heavy = draws.is_in(self.heavy.get() * f64::from(u8::from(!single))).then(|| {
-            let first = Positive::preset(written(weight / (HELD[1] * friction)));
+            let first = Positive::preset(written(weight / (WEIGHT_LIMITS[1] * friction)));
             (weight / (GRAVITY * volume), first, direction(&mut draws))
         });
         let carried = if heavy.is_some() { weight } else { 0.0 };
@@ -272,7 +272,7 @@ fn direction(draws: &mut Draws) -> Vec3 {
 /// and Cutkosky 1996), and a torque perpendicular to the closing direction.
 fn push(part: f64, holds: f64, thickness: f64, draws: &mut Draws) -> (Vec3, Vec3) {
     let [across, kind, about] = [(); 3].map(|()| draws.between(0.0, std::f64::consts::TAU));
-    let (force, torque) = (part * holds * kind.cos(), part * holds * TWIST * thickness);
+    let (force, torque) = (part * holds * kind.cos(), part * holds * TORQUE_RATIO * thickness);
     let tilt = torque * draws.between(0.0, 0.5);
     let vector = |v: [f64; 3]| Tuple(v.map(|v| super::leaf::Finite::preset(written(v))));
     (

@@ -44,9 +44,9 @@ impl Default for PadSpans {
 /// Largest number of layers of cells from the sensing face to the finger.
 const LAYERS: f64 = 3.0;
 /// Largest width of a cell over the thickness: a coarser mesh does not resolve the contact.
-const COARSEST: f64 = 0.7;
+const MAX_CELL: f64 = 0.7;
 /// Largest length and width of a pad over its thickness.
-const FLATTEST: f64 = 9.0;
+const MAX_ASPECT: f64 = 9.0;
 /// Node spacing of a round pad over the cell width of a box: a disc is meshed with triangles.
 const ROUND: f64 = 1.4;
 /// Length, width and thickness of the gel of a GelSight Mini, m.
@@ -57,11 +57,11 @@ impl PadSpans {
     pub(super) fn draw(&self, draws: &mut Draws) -> (Pads, f64) {
         let (length, width) = (draws.within(&self.length), draws.within(&self.width));
         let thickness = written(draws.factor(&self.thickness));
-        let [length, width] = [length, width].map(|size| written(size.min(FLATTEST * thickness)));
+        let [length, width] = [length, width].map(|size| written(size.min(MAX_ASPECT * thickness)));
         let cells = draws.factor(&self.cells);
         let kind = draws.between(0.0, 1.0);
         let spacing = |area: f64, thickness: f64| {
-            let cell = (area / cells).sqrt().clamp(thickness / LAYERS, COARSEST * thickness);
+            let cell = (area / cells).sqrt().clamp(thickness / LAYERS, MAX_CELL * thickness);
             Some(Length::preset(written(cell)))
         };
         if kind < self.round.get() {

@@ -4,7 +4,7 @@
 //! a run             START + grasps x (time of a grasp)
 //! finite elements   iterations x ITERATION (N / 1e4)^POWER, the part CONDENSED of it with condensed pads
 //!   iterations      PATH + FRAME x frames       friction: the path decides on the increments
-//!                   ALONE x frames              no friction: an increment for each frame
+//!                   FRICTIONLESS_FRAME x frames              no friction: an increment for each frame
 //!                   STEP x steps                motion in time
 //! network           LOAD x loads x nodes / 1e3
 //! ```
@@ -35,7 +35,7 @@ const PATH: f64 = 32.0;
 /// Additional iterations of such a grasp per frame.
 const FRAME: f64 = 2.0;
 /// Iterations per frame without friction.
-const ALONE: f64 = 10.0;
+const FRICTIONLESS_FRAME: f64 = 10.0;
 /// Iterations per time step.
 const STEP: f64 = 2.3;
 /// Time of a network per load and 1,000 nodes, s.
@@ -81,7 +81,7 @@ fn iterations(fem: &Fem, model: &Model) -> f64 {
     let iterations = match (steps(model), model.path_error) {
         (Some(steps), _) => STEP * steps,
         (None, Some(_)) => PATH + FRAME * frames,
-        (None, None) => ALONE * frames,
+        (None, None) => FRICTIONLESS_FRAME * frames,
     };
     fem.effort.map_or(iterations, |most| iterations.min(most.get() as f64))
 }

@@ -10,7 +10,7 @@ use base::error::Result;
 use geometry::Pose;
 use glam::{DQuat, DVec3};
 use model::Model;
-use record::error_norm::{Distance, Points, Probe};
+use record::error_norm::{Distance, FieldInterpolation, Points};
 use record::sensitivity::{Change, Moved};
 use record::{Frame, PadTopology, Status};
 use scene::leaf::{NonNegative, Positive};
@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub const CHANGES: [Change; 4] = [Change::Friction, Change::Turn, Change::Shift, Change::Release];
 
 /// Increase of the friction coefficient.
-const FRICTION: f64 = 0.1;
+const FRICTION_INCREASE: f64 = 0.1;
 /// Rotation of the hand, rad.
 const TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// Shift of the hand, m.
@@ -30,7 +30,7 @@ const SHIFT: f64 = 2e-4;
 
 /// Returns true if a change affects `model`.
 fn applies(change: Change, model: &Model) -> bool {
-    change != Change::Release || model.lets_go()
+    change != Change::Release || model.is_released_later()
 }
 
 /// Returns the scene with a change.
@@ -38,7 +38,7 @@ fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
     let mut scene = scene.clone();
     match (change, &mut scene.loading) {
         (Change::Friction, _) => {
-            let more = NonNegative::new(scene.gripper.friction.get() + FRICTION);
+            let more = NonNegative::new(scene.gripper.friction.get() + FRICTION_INCREASE);
             scene.gripper.friction = more.unwrap_or(scene.gripper.friction);
         }
         (Change::Release, Loading::Squeeze(squeeze)) => {
@@ -104,7 +104,7 @@ pub fn sensitivity(
     let none = PadTopology::default();
     let pad = model.fingers.first().map_or(&none, |f| &f.topology);
     let points = Points::of(pad);
-    let probe = Probe::new(&points, pad);
+    let probe = FieldInterpolation::new(&points, pad);
     let mut answers = vec![Vec::new(); grasps.len()];
     for change in CHANGES.into_iter().filter(|change| applies(*change, model)) {
         let changed = match change {

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use mech::contact::{ContactSurface, SurfaceFace};
 
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap in the state just reached.
-pub fn keep_pads_apart(
+pub fn reject_pad_overlap(
     shared: Res<Shared>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,

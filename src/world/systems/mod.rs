@@ -25,7 +25,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
     }
     schedule.add_systems(sense::close_to_contact.in_set(StepSet::Sense));
     if needs.pads_apart {
-        schedule.add_systems(apart::keep_pads_apart.run_if(reached).in_set(StepSet::Accept));
+        schedule.add_systems(apart::reject_pad_overlap.run_if(reached).in_set(StepSet::Accept));
     }
     schedule.add_systems(measure::measure_balance.run_if(reached).in_set(StepSet::Measure));
     let refuse = measure::refuse_imbalance.run_if(reached).before(record::record_frame);
@@ -42,12 +42,12 @@ pub fn register(schedule: &mut Schedule, needs: &Needs) {
         schedule.add_systems(slip::measure_slip.run_if(reached).before(record::record_frame).in_set(StepSet::Record));
     }
     if needs.tactile {
-        let see = tactile::record_tactile.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        let see = tactile::record_tactile.run_if(reached).after(record::record_frame).before(record::advance_phase);
         schedule.add_systems(see.before(audit_frame).in_set(StepSet::Record));
     }
     if needs.audit {
-        let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::turn_phase);
+        let judge = audit_frame.run_if(reached).after(record::record_frame).before(record::advance_phase);
         schedule.add_systems(judge.in_set(StepSet::Record));
     }
-    schedule.add_systems((record::record_frame.run_if(reached), record::turn_phase).chain().in_set(StepSet::Record));
+    schedule.add_systems((record::record_frame.run_if(reached), record::advance_phase).chain().in_set(StepSet::Record));
 }

@@ -115,7 +115,7 @@ pub fn record_frame(
 }
 
 /// Advances the procedure: to the phase that a system requested, otherwise to the next frame.
-pub fn turn_phase(
+pub fn advance_phase(
     mut phase: ResMut<Phase>,
     mut next: ResMut<Next>,
     mut report: ResMut<StepReport>,

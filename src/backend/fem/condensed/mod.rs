@@ -106,7 +106,7 @@ impl Condensation {
                 self.condense_again(path)?;
             }
             last = error;
-            done.add(path.polish()?);
+            done.add(path.solve_tightly()?);
         }
         Err(Failure::Corrections(last))
     }

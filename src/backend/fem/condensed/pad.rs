@@ -160,7 +160,7 @@ impl CondensedPad {
         let nothing = Correction { change: 0.0, displacement: 0.0, residual: 0.0 };
         let Some((body, factor)) = &self.eliminated else { return nothing };
         let mut moved = unknowns(body, &moved);
-        factor.follow_last(&mut moved, 3 * self.patch.len());
+        factor.back_substitute(&mut moved, 3 * self.patch.len());
         let patch: Vec<DVec3> = self.patch.iter().map(|&n| x[n as usize]).collect();
         x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
         // The positions of the patch are given; the single-precision solution must not round them.

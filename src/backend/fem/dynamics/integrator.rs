@@ -33,7 +33,7 @@ pub struct Integrator {
 /// Shortest step, over the time step; if it fails, the grasp ends.
 const SHORTEST: f64 = 1.0 / 64.0;
 /// Residual of a time step over that of a quasi-static increment: momentum errors accumulate over the steps.
-const SHARP: f64 = 1e-2;
+const TIME_STEP_TOLERANCE: f64 = 1e-2;
 /// Largest motion of any point in an iteration, in a scene with pads, over that of a quasi-static increment. Without
 /// pads the motion is unlimited: there is nothing to jump over.
 const STRIDE: f64 = 2.0;
@@ -91,7 +91,7 @@ impl Integrator {
         let end = model.levels.last().copied().unwrap_or(0.0);
         let steps = (end / dynamics.time_step).ceil() as usize;
         path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
-        let relative = SHARP * settings.tolerance.force.get();
+        let relative = TIME_STEP_TOLERANCE * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
         let usual = NewtonTolerance::new(model.offset);
         path.tolerance = NewtonTolerance {

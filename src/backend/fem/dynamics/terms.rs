@@ -1,6 +1,6 @@
 //! Terms that dynamics adds to those of a quasi-static scene.
 
-use base::scales::STROKE_YIELD;
+use base::scales::STOP_PENETRATION;
 use geometry::Pose;
 use mech::contact::GroundContact;
 use mech::newton::Newton;
@@ -23,7 +23,7 @@ pub fn add(newton: &mut Newton, model: &Model, dynamics: &Dynamics, state: &Stat
         }
         if dynamics.squeezes() {
             let rated = dynamics.rated_force / model.fingers.len() as f64;
-            let yields = STROKE_YIELD * model.offset;
+            let yields = STOP_PENETRATION * model.offset;
             terms.push(Box::new(Drive::new(rated, dynamics.closing_speed, model.stroke, yields, state.travel[i])));
         }
     }

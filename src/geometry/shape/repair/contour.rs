@@ -1,7 +1,7 @@
 //! Surface between the inside and the outside nodes of a grid, by dual contouring (Ju et al. 2002) with a vertex for
 //! each sheet of the surface in a cell (Nielson 2004, "Dual marching cubes"): closed, and a manifold.
 
-use super::field::DistanceGrid;
+use super::field::OccupancyGrid;
 use crate::Aabb;
 use crate::mesh::TriMesh;
 use crate::shape::facet::Facet;
@@ -26,7 +26,7 @@ struct Crossing {
 
 /// Returns the surface; with sharp corners and edges if `sharp`, otherwise with each vertex at the mean of its
 /// crossings.
-pub(crate) fn surface(field: &DistanceGrid, winding: &Winding, sharp: bool) -> TriMesh {
+pub(crate) fn surface(field: &OccupancyGrid, winding: &Winding, sharp: bool) -> TriMesh {
     let crossings = crossings(field, winding);
     let mut mesh = TriMesh::default();
     let mut vertices: HashMap<USizeVec3, [u32; 12]> = HashMap::new();
@@ -105,7 +105,7 @@ fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
 
 /// Returns the vertex of a sheet, m: the least-squares point of the tangent planes at its crossings, clamped to the
 /// cell.
-fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
+fn place(field: &OccupancyGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
     let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
     if !sharp {
         return middle;
@@ -120,7 +120,7 @@ fn place(field: &DistanceGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -
 }
 
 /// Returns the crossings of the surface with the edges of the grid, by the node from which an edge runs and its axis.
-fn crossings(field: &DistanceGrid, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
+fn crossings(field: &OccupancyGrid, winding: &Winding) -> HashMap<(USizeVec3, usize), Crossing> {
     let edges = field.cells().flat_map(|n| (0..3).map(move |k| (n, k)));
     let crossed: Vec<_> = edges.filter(|(n, k)| field.inside(*n) != field.inside(*n + USizeVec3::AXES[*k])).collect();
     let found = |&(node, k): &(USizeVec3, usize)| {

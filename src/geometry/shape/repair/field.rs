@@ -1,6 +1,6 @@
 //! Grid of nodes, each inside or outside a surface.
 
-use super::room;
+use super::padded_bounds;
 use crate::shape::winding::Winding;
 use glam::{DVec3, USizeVec3};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ const NODES: f64 = 300_000.0;
 
 /// Grid of cubic cells around a surface.
 #[derive(Debug)]
-pub(crate) struct DistanceGrid {
+pub(crate) struct OccupancyGrid {
     origin: DVec3,
     /// Size of a cell, m.
     pub step: f64,
@@ -21,9 +21,9 @@ pub(crate) struct DistanceGrid {
     inside: Vec<bool>,
 }
 
-impl DistanceGrid {
+impl OccupancyGrid {
     pub fn new(winding: &Winding) -> Self {
-        let room = room(winding.bvh.bounds());
+        let room = padded_bounds(winding.bvh.bounds());
         let step = (room.size().element_product() / NODES).cbrt();
         // The irregular offsets keep nodes off axis-aligned faces of the object.
         let origin = room.min - step * DVec3::new(2.37, 2.41, 2.43);
@@ -36,13 +36,13 @@ impl DistanceGrid {
             !border && winding.at(field.position(node)) > 0.5
         };
         field.inside = (0..count).into_par_iter().map(|i| within(&i)).collect();
-        field.unite();
+        field.remove_ambiguous_faces();
         field
     }
 
     /// Adds inside nodes until no face of a cell has exactly two inside nodes on a diagonal; the surface between inside
     /// and outside nodes is then a manifold.
-    fn unite(&mut self) {
+    fn remove_ambiguous_faces(&mut self) {
         let mut again = true;
         while std::mem::take(&mut again) {
             for i in 0..self.inside.len() {

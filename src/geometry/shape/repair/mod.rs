@@ -5,25 +5,25 @@ mod field;
 mod fill;
 
 use crate::Aabb;
-use crate::mesh::shells::{agree, orient, shells};
+use crate::mesh::shells::{orient, orient_consistently, shells};
 use crate::mesh::topology::{drop_unused, watertight};
 use crate::mesh::{TriMesh, show};
 use crate::shape::sound::judge;
 use crate::shape::winding::Winding;
 use base::error::{Error, Result};
 use base::number::counted;
-use field::DistanceGrid;
+use field::OccupancyGrid;
 use glam::DVec3;
 
 /// Volume, over the total volume, below which a closed part is removed as an artefact (dust).
-const DUST: f64 = 1e-3;
+const SMALL_SHELL: f64 = 1e-3;
 
 /// Returns the surface as a solid: with its holes filled, if that suffices, otherwise the level set of its generalized
 /// winding number at one half, sampled on a grid. Also returns a list of the changes, with the displacement of the
 /// surface.
 pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let mut whole = mesh.clone();
-    agree(&mut whole);
+    orient_consistently(&mut whole);
     let filled = fill::fill(&mut whole);
     if let (Some(filled), Ok(news)) = (filled, judge(&mut whole)) {
         let done = format!(
@@ -38,7 +38,7 @@ pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
 }
 
 fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
-    agree(&mut mesh);
+    orient_consistently(&mut mesh);
     let edges = watertight(&mesh);
     if let ([a, b], 0) = (edges.twisted.first.unwrap_or_default(), edges.crowded.count)
         && edges.twisted.count > 0
@@ -55,11 +55,11 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         return Err(Error::Mesh("the surface has no area: there is nothing to repair".into()));
     }
     let winding = Winding::new(&mesh);
-    let field = DistanceGrid::new(&winding);
+    let field = OccupancyGrid::new(&winding);
     // Sharp corners first; if the surface is then invalid, for example self-intersecting, corners rounded by a cell.
     let attempt = |sharp: bool| {
         let mut surface = contour::surface(&field, &winding, sharp);
-        let dust = drop_dust(&mut surface);
+        let dust = drop_small_shells(&mut surface);
         judge(&mut surface).map(|_| (surface, dust))
     };
     let nothing = |_| {
@@ -81,16 +81,16 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         done += &format!("; {:.1} % of it is new, where there were holes", 100.0 * moved.new);
     }
     if dust > 0 {
-        done += &format!("; dropped {} of less than {DUST} of its volume", counted(dust, "closed part"));
+        done += &format!("; dropped {} of less than {SMALL_SHELL} of its volume", counted(dust, "closed part"));
     }
     Ok((surface, vec![done]))
 }
 
-/// Drops shells whose volume is below [`DUST`] times the total; returns their number.
-fn drop_dust(mesh: &mut TriMesh) -> usize {
+/// Drops shells whose volume is below [`SMALL_SHELL`] times the total; returns their number.
+fn drop_small_shells(mesh: &mut TriMesh) -> usize {
     let shells = shells(mesh);
     let whole: f64 = shells.iter().map(|s| s.volume).sum();
-    let small: Vec<_> = shells.into_iter().filter(|s| s.volume.abs() < DUST * whole.abs()).collect();
+    let small: Vec<_> = shells.into_iter().filter(|s| s.volume.abs() < SMALL_SHELL * whole.abs()).collect();
     let mut gone = vec![false; mesh.triangles.len()];
     small.iter().flat_map(|s| &s.triangles).for_each(|t| gone[*t as usize] = true);
     let mut keep = gone.into_iter().map(|g| !g);
@@ -124,7 +124,7 @@ impl Moved {
 }
 
 /// Returns the bounding box, enlarged such that no side is shorter than a twentieth of the longest, m.
-fn room(bounds: Aabb) -> Aabb {
+fn padded_bounds(bounds: Aabb) -> Aabb {
     let size = bounds.size();
     let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));
     Aabb { min: bounds.center() - half, max: bounds.center() + half }

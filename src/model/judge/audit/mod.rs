@@ -98,7 +98,8 @@ impl Auditor {
     ) -> Self {
         let pads: Vec<_> = fingers.iter().map(|f| PadSurface::new(&f.topology)).collect();
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
-        let (solid, object) = (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.is_drawn(), spacing));
+        let (solid, object) =
+            (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.has_display_mesh(), spacing));
         let asked = |of: fn(&Expectation) -> bool| promises.iter().any(of);
         let asked = Asked {
             inversion: asked(|e| matches!(e, Expectation::NoInversion)),

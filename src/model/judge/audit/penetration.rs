@@ -97,16 +97,16 @@ impl PadSurface {
         let points = x.iter().copied().chain(self.points(x)).chain(centers(tets.elements, x));
         let of_pad = points.map(|p| solid.depth(p)).fold(0.0, f64::max);
         let of_object = object.0.iter().copied().filter(|p| tets.contains(*p) && self.between(*p, solid));
-        self.below_skin(of_object, x).max(of_pad)
+        self.depth_below_surface(of_object, x).max(of_pad)
     }
 
     /// Returns the largest depth in this pad of the surface nodes of another pad, at `others`, m.
     pub fn depth_of_nodes(&self, tets: &Tetrahedra, others: impl Iterator<Item = DVec3>) -> f64 {
-        self.below_skin(others.filter(|p| tets.contains(*p)), tets.x)
+        self.depth_below_surface(others.filter(|p| tets.contains(*p)), tets.x)
     }
 
     /// Returns the largest distance to the free surface of points inside the pad, m.
-    fn below_skin(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
+    fn depth_below_surface(&self, inside: impl Iterator<Item = DVec3>, x: &[DVec3]) -> f64 {
         let mut inside = inside.peekable();
         if inside.peek().is_none() {
             return 0.0;

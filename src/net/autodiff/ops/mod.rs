@@ -13,7 +13,7 @@ pub use balance::balanced;
 pub use linear::linear;
 pub use norm::layer_norm;
 pub use pointwise::{Activation, product, reshape, root_error, sum};
-pub use response::{deviated, displaced, respond};
+pub use response::{deviatoric_stress, displaced, respond};
 pub use share::share;
 pub use sparse::apply;
 pub use von_mises::{LITTLE, von_mises};

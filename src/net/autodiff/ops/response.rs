@@ -22,12 +22,12 @@ type Lanes<T> = [T; LANES];
 /// forces (n, forces).
 pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>) -> Matrix<T> {
     let (n, k, m) = (force.rows, pad.forces, pad.moving());
-    let (x, mut y) = (side_by_side(force.value(), k), zeros(n, m));
+    let (x, mut y) = (interleaved(force.value(), k), zeros(n, m));
     Arch::new().dispatch(Times { pad, x: &x, y: &mut y });
     let y = one_by_one(&y, m, n);
     let (pad, input) = (pad.clone(), force.clone());
     tape.result(&[force], (n, m), y, move |grads, out| {
-        let (dy, mut sum) = (side_by_side(&out, m), zeros(n, k));
+        let (dy, mut sum) = (interleaved(&out, m), zeros(n, k));
         Arch::new().dispatch(TimesTransposed { pad: &pad, y: &dy, x: &mut sum });
         grads.add(&input, one_by_one(&sum, k, n));
     })
@@ -56,14 +56,14 @@ pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<
 
 /// Computes the deviatoric stress of all nodes (n * nodes, 5), xx, yy, xy, yz, zx, from the displacement of the free
 /// nodes.
-pub fn deviated<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
+pub fn deviatoric_stress<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
     let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
-    let (u, mut s) = (side_by_side(moved.value(), m), zeros(n, 5 * nodes));
+    let (u, mut s) = (interleaved(moved.value(), m), zeros(n, 5 * nodes));
     Arch::new().dispatch(Deviate { pad, u: &u, s: &mut s });
     let s = one_by_one(&s, 5 * nodes, n);
     let (pad, input) = (pad.clone(), moved.clone());
     tape.result(&[moved], (n * nodes, 5), s, move |grads, out| {
-        let (ds, mut sum) = (side_by_side(&out, 5 * nodes), zeros(n, m));
+        let (ds, mut sum) = (interleaved(&out, 5 * nodes), zeros(n, m));
         Arch::new().dispatch(DeviateTransposed { pad: &pad, s: &ds, u: &mut sum });
         grads.add(&input, one_by_one(&sum, m, n));
     })
@@ -212,7 +212,7 @@ fn zeros<T: Real>(rows: usize, cols: usize) -> Vec<Lanes<T>> {
 }
 
 /// Interleaves rows of `cols` numbers in blocks of [`LANES`] rows; the last block is padded with zeros.
-fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
+fn interleaved<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
     let mut out = zeros(x.len() / cols.max(1), cols);
     for (r, row) in x.chunks_exact(cols.max(1)).enumerate() {
         let own = &mut out[r / LANES * cols..][..cols];
@@ -221,7 +221,7 @@ fn side_by_side<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
     out
 }
 
-/// Inverts [`side_by_side`] for `rows` rows.
+/// Inverts [`interleaved`] for `rows` rows.
 fn one_by_one<T: Real>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
     let mut out = vec![T::of(0.0); rows * cols];
     for (r, row) in out.chunks_exact_mut(cols).enumerate() {

@@ -26,9 +26,9 @@ const FIRST: f64 = 1e-3;
 /// Least force of a finger, over its nominal force, however heavy the object.
 const LEAST: f64 = 0.05;
 /// Largest number of queries of the object under one force.
-const LOOKS: usize = 8;
+const QUERIES: usize = 8;
 /// Rigid motion, over the largest of a step, below which no further query is needed.
-const SETTLED: f64 = 0.1;
+const SETTLED_MOTION: f64 = 0.1;
 /// Gap from which on a face node is out of reach of the object.
 const FAR: f64 = 2.5;
 
@@ -151,12 +151,12 @@ impl RigidEquilibrium {
             let next = f64::max(FIRST, force * STEP);
             let lets_go = equilibrium.free && force < release && release <= next;
             let next = if lets_go { release } else { next };
-            let after = equilibrium.settle(&rest, next, &object);
+            let after = equilibrium.solve_and_query(&rest, next, &object);
             equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
             force = next;
             if lets_go {
                 equilibrium.held = false;
-                let after = equilibrium.settle(&rest, force, &object);
+                let after = equilibrium.solve_and_query(&rest, force, &object);
                 equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
             }
         }
@@ -174,27 +174,27 @@ impl RigidEquilibrium {
 
     /// Returns the force of `finger` under `load` at `rest`. Geared fingers share their force: around a held object in
     /// proportion to the resistance of their pads; else one carries more of the load on the object than the other.
-    pub fn carried_by(&self, finger: usize, load: &GraspLoad, rest: &Rest) -> f64 {
+    pub fn finger_force(&self, finger: usize, load: &GraspLoad, rest: &Rest) -> f64 {
         let fingers = self.fingers.len() as f64;
         if self.holds(load) {
             let resists = |pad: &Vec<DVec3>| -pad.iter().map(|force| force.z).sum::<f64>();
             let all: f64 = rest.force.iter().map(resists).sum();
             return if all > 0.0 { fingers * load.force * resists(&rest.force[finger]) / all } else { load.force };
         }
-        let share = self.pulled(load)[0].dot(self.fingers[finger].closing) / fingers;
+        let share = self.load_about_centre(load)[0].dot(self.fingers[finger].closing) / fingers;
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
     }
 
     /// Returns the force and moment of weight and push on the object, about its centre of mass.
-    pub fn pulled(&self, load: &GraspLoad) -> [DVec3; 2] {
+    pub fn load_about_centre(&self, load: &GraspLoad) -> [DVec3; 2] {
         let weight = if self.holds(load) { DVec3::ZERO } else { self.weight[0] };
         [weight + load.push[0], load.push[1]]
     }
 
     /// Returns the force and moment of weight and push on the object at `rest`, about the point midway between the
     /// pads.
-    pub fn hangs(&self, rest: &Rest, load: &GraspLoad) -> [DVec3; 2] {
-        let ([force, torque], center) = (self.pulled(load), rest.rotation * self.weight[1] + rest.shift);
+    pub fn load_about_midpoint(&self, rest: &Rest, load: &GraspLoad) -> [DVec3; 2] {
+        let ([force, torque], center) = (self.load_about_centre(load), rest.rotation * self.weight[1] + rest.shift);
         [force, torque + center.cross(force)]
     }
 
@@ -210,12 +210,12 @@ impl RigidEquilibrium {
 
     /// Returns the equilibrium under a force, with the object queried there: solution and query alternate until the
     /// rigid motion is small.
-    fn settle(&self, before: &Rest, force: f64, object: &Object) -> Rest {
+    fn solve_and_query(&self, before: &Rest, force: f64, object: &Object) -> Rest {
         let mut rest = before.clone();
-        for _ in 0..LOOKS {
+        for _ in 0..QUERIES {
             let (after, motion) = self.follow(&rest, &force.into());
             rest = self.looked(after, object);
-            if motion < SETTLED {
+            if motion < SETTLED_MOTION {
                 break;
             }
         }

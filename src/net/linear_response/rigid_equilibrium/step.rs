@@ -22,7 +22,7 @@ const RIGID: usize = 8;
 /// Maximum number of iterations of a step.
 const ITERATIONS: usize = 16;
 /// Iteration from which on springs of slipping basis functions change by half of their update, to prevent oscillation.
-const CALM: usize = 6;
+const HALVED_FROM: usize = 6;
 /// Largest rigid motions of a step, within which gaps and normals at its start remain valid.
 const LARGEST: [f64; RIGID] = [1.0, 1.0, 0.25, 0.25, 0.25, 0.1, 0.1, 0.1];
 /// Damping of rigid motions over their stiffness, tried in turn until the motions are no larger (Marquardt 1963).
@@ -78,7 +78,7 @@ impl RigidEquilibrium {
             let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
             rigid = self.balance(before, &contacts, &solved, load, damping);
-            let part = if iteration < CALM { 1.0 } else { 0.5 };
+            let part = if iteration < HALVED_FROM { 1.0 } else { 0.5 };
             let update = |(p, contact): (usize, &mut Contact)| {
                 self.update_active_set(p, before, contact, &solved[p], &rigid, part)
             };
@@ -202,7 +202,7 @@ impl RigidEquilibrium {
                 right[5 + a] -= before.twist[p] * closing[a];
             }
         }
-        let [force, torque] = self.pulled(load);
+        let [force, torque] = self.load_about_centre(load);
         let torque = torque + (before.rotation * self.weight[1]).cross(force);
         for k in 0..3 {
             right[2 + k] += force[k];

@@ -49,7 +49,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<
     if bytes.trim_ascii_start().starts_with(b"(") {
         return Err(Error::file(path, format!("a file of ANSYS, not of gmsh; {}", convert(path))));
     }
-    if says_binary(&bytes) {
+    if is_binary(&bytes) {
         return binary::parse(path, &bytes, group);
     }
     ascii::parse(path, &text::decode(path, bytes)?, group)
@@ -65,7 +65,7 @@ fn declared(total: usize, found: usize, what: &str) -> String {
 }
 
 /// Returns true if the second word after `$MeshFormat` is the 1 of a binary file.
-fn says_binary(bytes: &[u8]) -> bool {
+fn is_binary(bytes: &[u8]) -> bool {
     let Some(start) = find(bytes, b"$MeshFormat") else { return false };
     let line = bytes[start..].split(|b| *b == b'\n').nth(1).unwrap_or_default();
     line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).nth(1) == Some(b"1")
