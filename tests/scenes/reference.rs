@@ -22,6 +22,8 @@ struct Item {
 fn schema_files(dir: &Path) -> Vec<PathBuf> {
     let mut found: Vec<_> = std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().path()).collect();
     found.sort();
+    // Robots are read from their own formats.
+    found.retain(|path| path.extension().is_some_and(|e| e == "rs") || path.is_dir() && !path.ends_with("robot"));
     found.into_iter().flat_map(|path| if path.is_dir() { schema_files(&path) } else { vec![path] }).collect()
 }
 
@@ -172,7 +174,7 @@ fn shown(name: &str) -> &str {
 fn constants() -> (BTreeMap<String, String>, BTreeMap<String, String>) {
     let (mut constants, mut functions) = (BTreeMap::new(), BTreeMap::new());
     let sources =
-        ["src/scene/defaults.rs", "src/scales.rs"].map(|path| Path::new(env!("CARGO_MANIFEST_DIR")).join(path));
+        ["src/scene/defaults.rs", "src/base/scales.rs"].map(|path| Path::new(env!("CARGO_MANIFEST_DIR")).join(path));
     for line in sources
         .iter()
         .flat_map(|path| std::fs::read_to_string(path).unwrap().lines().map(str::to_string).collect::<Vec<_>>())
