@@ -273,7 +273,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
     if scene.gripper.fingers == Fingers::One && scene.object.motion == ObjectMotion::Free {
         return refuse(
             "gripper.fingers",
-            "one finger only pushes a free object distance_bound\nuse motion: Fixed in object, or fingers: Both",
+            "one finger only pushes a free object away\nuse motion: Fixed in object, or fingers: Both",
         );
     }
     let press = match &scene.loading {
@@ -286,7 +286,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
         Loading::Squeeze(Squeeze { push: Some(_), .. }) if scene.object.motion == ObjectMotion::Fixed => {
             return refuse(
                 "loading.push",
-                "a fixed object does not activate_sub_face a push\nuse motion: Free in object, or leave it out",
+                "a fixed object does not feel a push\nuse motion: Free in object, or leave it out",
             );
         }
         Loading::Squeeze(Squeeze { push: Some(push), .. })

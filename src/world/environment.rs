@@ -116,7 +116,7 @@ impl Environment {
             let keys = self.schedule.graph().systems_in_set(set.intern());
             let named = self.schedule.systems().into_iter().flatten().filter_map(|(key, system)| {
                 let inside = keys.as_ref().is_ok_and(|keys| keys.contains(&key));
-                inside.then(|| system.name().to_string().trim_start_matches("tactus::").to_string())
+                inside.then(|| system.name().to_string().trim_start_matches("tactus_").to_string())
             });
             sets.push((set, named.collect()));
         }
@@ -129,7 +129,7 @@ impl Environment {
         for archetype in self.world.archetypes().iter().filter(|a| !a.is_empty()) {
             for &id in archetype.components() {
                 let name = self.world.components().get_name(id).map(|n| n.to_string()).unwrap_or_default();
-                if let Some(name) = name.strip_prefix("tactus::world::components::") {
+                if let Some(name) = name.strip_prefix("tactus_world::components::") {
                     *counts.entry(name.to_string()).or_insert(0) += archetype.len() as usize;
                 }
             }

@@ -138,9 +138,9 @@ fn every_rule_bonds_the_back() {
     }
     let message = |rule: Bonding| bonded(rule).expect_err("refused").to_string();
     let far = message(Bonding::Surface { surface: plate, within: 0.5e-3 });
-    assert!(far.contains("of its 45 nodes the nearest is 0.001 m distance_bound from the surface"), "{far}");
+    assert!(far.contains("of its 45 nodes the nearest is 0.001 m away from the surface"), "{far}");
     let far = message(plane(6e-3, 0.0));
-    assert!(far.contains("of its 45 nodes the nearest is 0.002 m distance_bound from the plane"), "{far}");
+    assert!(far.contains("of its 45 nodes the nearest is 0.002 m away from the plane"), "{far}");
     let inside = message(Bonding::Surface { surface: slab, within: 0.0 });
     assert!(inside.contains("all 45 nodes of the pad are glued"), "{inside}");
 }

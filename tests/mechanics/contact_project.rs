@@ -128,7 +128,7 @@ fn nothing_is_nearer_than_the_foot_on_a_crumpled_surface() {
             let distance = surface.faces[foot.face].stencil(foot.l).position(&x).distance(y);
             assert!((foot.gap.abs() - distance).abs() < 1e-5, "{} m, but the foot is {distance} m away", foot.gap);
             let truth = search(&surface, &x, y);
-            assert!(distance < truth + 1e-5, "the foot is {distance} m distance_bound, the surface {truth} m");
+            assert!(distance < truth + 1e-5, "the foot is {distance} m away, the surface {truth} m");
         }
     }
 }

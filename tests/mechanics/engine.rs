@@ -200,7 +200,7 @@ fn fingers_that_meet_nothing_or_start_inside_are_refused_by_name() {
     };
     let far = reason("", "grasps: List([(position: (0, 0.2, -0.1))])");
     assert!(far.contains("left finger meets nothing within its stroke of 40.0 mm"), "{far}");
-    assert!(far.contains("the object is 180.0 mm distance_bound from the point midway between the pads"), "{far}");
+    assert!(far.contains("the object is 180.0 mm away from the point midway between the pads"), "{far}");
     // A rotation about the hand moves the pads off the object; a rotation about the object's centre does not.
     let swung = reason("", "grasps: List([(position: (0, 0, -0.1), rotation: RpyDeg((0, 60, 0)))])");
     assert!(swung.contains("meets nothing") && swung.contains("by its `centre`"), "{swung}");

@@ -167,7 +167,7 @@ impl FitReport {
             });
             self.row(&mut out, &fit.name(), cells, &fit.residuals, fit.rms);
             if !fit.converged {
-                out += "    did not solve_and_query\n";
+                out += "    did not settle\n";
             }
         }
         out += "\nsimulated over measured force, minus one; +-: interval of 95 % confidence (Student's t, to first order)\n";

@@ -59,7 +59,7 @@ impl Bonding {
                     let nearest = beyond.iter().copied().fold(f64::INFINITY, f64::min);
                     let what = if matches!(self, Bonding::Plane { .. }) { "plane" } else { "surface" };
                     return Err(Error::Mesh(format!(
-                        "no node of the pad is glued to the finger: of its {} nodes the nearest is {} m distance_bound from the {what}, and nodes within \
+                        "no node of the pad is glued to the finger: of its {} nodes the nearest is {} m away from the {what}, and nodes within \
                          {} m are taken",
                         mesh.nodes.len(),
                         shown(nearest),

@@ -47,7 +47,7 @@ impl fmt::Display for Failure {
             Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
             Failure::Corrections(e) => {
-                write!(f, "the corrections of the condensed pads do not solve_and_query (error {e:.1e})")
+                write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})")
             }
             Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
             Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),

@@ -27,7 +27,7 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
         if let Some(first) = tree.links[child].parent {
             let [own, first] = [child, first].map(|i| &tree.links[i].name);
             return Err(
-                joint.error(format_args!("carries the link {own:?}, which load_about_midpoint on {first:?} already"))
+                joint.error(format_args!("carries the link {own:?}, which hangs on {first:?} already"))
             );
         }
         let link = &mut tree.links[child];

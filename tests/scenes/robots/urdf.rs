@@ -103,7 +103,7 @@ fn names_axes_and_macros_that_are_none_are_refused_with_their_line() {
     let again = r#"<joint name="again" type="fixed"><parent link="palm"/><child link="left_pad"/></joint>"#;
     refused(
         hand(OPEN, OPEN, again),
-        &["g.urdf:13:1: <joint name=\"again\">", "\"left_pad\", which load_about_midpoint on \"left_finger\" already"],
+        &["g.urdf:13:1: <joint name=\"again\">", "\"left_pad\", which hangs on \"left_finger\" already"],
     );
     refused(hand(OPEN, OPEN, "<xacro:finger side=\"left\"/>"), &["<xacro:finger>", "expand the file first"]);
     refused(hand(OPEN, OPEN, "<link/>"), &["g.urdf:13:1: <link> has no name"]);
