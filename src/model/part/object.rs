@@ -177,7 +177,7 @@ fn kind(shape: &o::ObjectShape) -> ShapeKind {
 /// of the length of the spacing.
 ///
 /// # Errors
-/// Fails if there are more than [`MAX_FEATURES`] vertices.
+/// Fails if there are more than `MAX_FEATURES` vertices.
 pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {

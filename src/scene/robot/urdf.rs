@@ -26,9 +26,7 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
         let (parent, child) = (end("parent")?, end("child")?);
         if let Some(first) = tree.links[child].parent {
             let [own, first] = [child, first].map(|i| &tree.links[i].name);
-            return Err(
-                joint.error(format_args!("carries the link {own:?}, which hangs on {first:?} already"))
-            );
+            return Err(joint.error(format_args!("carries the link {own:?}, which hangs on {first:?} already")));
         }
         let link = &mut tree.links[child];
         link.parent = Some(parent);
