@@ -141,7 +141,7 @@ impl Expectation {
         }
     }
 
-    /// Returns true if `model::judge::audit` checks the expectation.
+    /// Returns true if the audit checks the expectation.
     pub fn audited(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))

@@ -45,7 +45,7 @@ pub struct ListedPose {
 /// Number of grasps.
 pub type GraspCount = Count<1, 1000000>;
 
-/// Parameters of grasps sampled from the object's surface, see `model::grasp::antipodal`.
+/// Parameters of grasps sampled from the object's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Antipodal {

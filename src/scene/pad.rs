@@ -96,7 +96,7 @@ pub struct GelSightMini {
     /// [`defaults::GELSIGHT_SPACING`].
     pub spacing: Option<Length>,
     /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
-    /// focus are then chosen from the object and the load, see `model::accuracy`.
+    /// focus are then chosen from the object and the load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
     /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
@@ -147,7 +147,7 @@ pub struct BoxPad {
     #[serde(default)]
     pub spacing: Option<Length>,
     /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
-    /// focus are then chosen from the object and the load, see `model::accuracy`.
+    /// focus are then chosen from the object and the load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
     /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
@@ -177,7 +177,7 @@ pub struct DiscPad {
     #[serde(default)]
     pub spacing: Option<Length>,
     /// Target relative error of the displacement (L2 norm over the volume), an alternative to `spacing`: spacing and
-    /// focus are then chosen from the object and the load, see `model::accuracy`.
+    /// focus are then chosen from the object and the load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Fraction>,
     /// Ratio of the thicknesses of successive element layers, from the sensing face to the back; 1 is uniform.
