@@ -21,8 +21,9 @@ from concurrent.futures import ThreadPoolExecutor
 FOLDERS = ["src/mech/newton", "src/mech/path", "src/mech/contact", "src/backend/fem"]
 SCALES = "src/base/scales.rs"
 # Scales used by the solver; the others determine the samples of the object.
-OF_SOLVER = """NO_FRICTION DISPLACEMENT_TOLERANCE SHARP_MOTION LARGEST_MOTION PSEUDO_TIME_BEGINS PSEUDO_TIME_REACH GONE DROPPED SAFE_MOTION FIRST_DEPTH
-PATCH_MARGIN SMALL_PATCH_MARGIN FEATURE_MOVES MIDDLE_CUT LOOK_AHEAD POINTS_LISTED FACE_KEPT DISTANCES_STALE FEATURES_LISTED DEEPEST""".split()
+OF_SOLVER = """NO_FRICTION DISPLACEMENT_TOLERANCE COMPLETE_HESSIAN_MOTION LARGEST_MOTION FIRST_PSEUDO_STEP LARGEST_PSEUDO_STEP GONE
+DROP_DISTANCE SAFE_MOTION FIRST_DEPTH PATCH_MARGIN SMALL_PATCH_MARGIN VERTEX_MOVE_PENETRATION MIDDLE_CUT EXACT_GAP_RADIUS
+POINT_LIST_RADIUS FACE_HYSTERESIS DISTANCE_UPDATE_MOTION VERTEX_LIST_RADIUS LARGEST_PENETRATION""".split()
 # Constants determined by geometry and rounding, which are not varied.
 FACTS = "BULGE TIE NOWHERE ALONG ARC ROUNDING START PER_STEP STILL".split()
 # Value that disables a rule.
@@ -30,8 +31,8 @@ OFF = {
     "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.STRIDE": "1e9",
     "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
     "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "path.LOOSE": "1",
-    "pseudo_time.WARY": "0", "pseudo_time.WAITS": "1e9", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.LATE": "1",
-    "stepper.BLUNT": "0", "scales.SHARP_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_KEPT": "0",
+    "pseudo_time.WARY": "0", "pseudo_time.WAITS": "1e9", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.REDUCED_OFFSET": "1",
+    "stepper.CONDENSED_TOLERANCE": "0", "scales.COMPLETE_HESSIAN_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_HYSTERESIS": "0",
 }
 PROGRAM = "tactus-rules"
 KIND = r"f64|u32|u64|usize|\[f64; ?\d+\]"
@@ -72,6 +73,9 @@ def rules(root):
         for name, kind, value in CONSTANT.findall(path.read_text()):
             if name not in FACTS and (path.name != "scales.rs" or name in OF_SOLVER):
                 found[f"{room(path)}.{name}"] = (kind, value)
+    # Otherwise a renamed constant would silently not be varied.
+    if unknown := {f"scales.{name}" for name in OF_SOLVER}.union(OFF) - found.keys():
+        sys.exit(f"benches/rules.py names constants that the sources lack: {', '.join(sorted(unknown))}")
     return found
 
 
@@ -117,7 +121,7 @@ def build(out):
     (tree / "Cargo.toml").write_text(f'{manifest}\n[[bin]]\nname = "{PROGRAM}"\npath = "src/main.rs"\n')
     # The usual target folder, so that compiled dependencies are reused.
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", "target")).resolve()
-    own = dict(os.environ, CARGO_TARGET_DIR=str(target), CARGO_INCREMENTAL="1")
+    own = dict(os.environ, CARGO_TARGET_DIR=str(target))
     subprocess.run(["cargo", "build", "--release", "--bin", PROGRAM], cwd=tree, env=own, check=True)
     return target / "release" / PROGRAM
 

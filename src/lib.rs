@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Start at [`world::components`] (data of a world), [`world::schedule`] (stages of a step) and [`model`] (data that no
-//! grasp changes). `docs/architecture.md` describes the folders, from the lowest layer up.
+//! grasp changes). `docs/architecture.md` describes the crates, from the lowest layer up.
 
 pub use ::bench;
 pub use backend;

@@ -1,5 +1,5 @@
-//! What every crate of tactus stands on: the error type, atomic files, locks, the stop flag, state as bytes, numbers for readers, and the scales
-//! of numerical methods.
+//! Foundation of all crates of tactus: the error type, atomic files, locks, the stop flag, state as bytes, number
+//! formatting, and the scales of numerical methods.
 
 pub mod error;
 pub mod files;

@@ -1,17 +1,15 @@
-//! Grasp pose, and the transforms between hand and object frame.
+//! Pose of a frame in another one, and the transforms between the two.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Pose of the hand in the object frame: `x_object = rotation * x_hand + position`.
-///
-/// Hand frame: origin at the hand base, +z the approach, fingers close along x, y the finger width; contacts lie near
-/// z = 0.1 m.
+/// Pose of a frame A in a frame B: `x_B = rotation * x_A + position`. The pose of a grasp is that of the hand in the
+/// object frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// Origin of the hand in the object frame, m.
+    /// Origin of A in B, m.
     pub position: DVec3,
-    /// Rotation from the hand frame to the object frame, length 1.
+    /// Rotation from A to B, length 1.
     pub rotation: DQuat,
 }
 
@@ -29,17 +27,17 @@ impl Pose {
         [p.x, p.y, p.z, q.w, q.x, q.y, q.z]
     }
 
-    /// Transforms a point of the object to the hand frame, m.
-    pub fn inverse_transform(&self, x: DVec3) -> DVec3 {
-        self.rotation.conjugate() * (x - self.position)
-    }
-
-    /// Transforms a point of the hand to the object frame, m.
+    /// Transforms a point from A to B, m.
     pub fn transform(&self, x: DVec3) -> DVec3 {
         self.rotation * x + self.position
     }
 
-    /// Returns the pose of the object in the hand frame: `x_hand = rotation * x_object + position`.
+    /// Transforms a point from B to A, m.
+    pub fn inverse_transform(&self, x: DVec3) -> DVec3 {
+        self.rotation.conjugate() * (x - self.position)
+    }
+
+    /// Returns the pose of B in A.
     pub fn inverse(&self) -> Pose {
         let rotation = self.rotation.conjugate();
         Pose { position: -(rotation * self.position), rotation }

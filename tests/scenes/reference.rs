@@ -160,6 +160,7 @@ fn shown(name: &str) -> &str {
         "ObjectShape" => "Shape",
         "ObjectMotion" => "Motion",
         "MaterialChoice" => "Material",
+        "ListedPose" => "Pose",
         "StepperChoice" => "Stepper",
         "HoldReward" => "Reward: Hold",
         "SlipReward" => "Reward: Slip",
