@@ -11,7 +11,7 @@ use std::sync::Arc;
 use tactus::base::error::{Error, Result};
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
-use tactus::net::autodiff::tape::Tape;
+use tactus::net::autodiff::tensor::NoneTape;
 use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
@@ -23,7 +23,7 @@ use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::linear_response::{GraspLoad, loads_of};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::{Face, NetworkSpec};
-use tactus::net::network::{Inputs, Network, Normalisers, build};
+use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
 use tactus::scene::from_ron;
 
 /// Features and loads of a grasp, and the network.
@@ -83,7 +83,7 @@ impl Case {
     }
 
     fn inputs(&self) -> Inputs<'_> {
-        Inputs { features: &self.features, normalisers: &self.norms, mirror: (false, false) }
+        Inputs { features: &self.features, normalisers: &self.norms, mirror: (false, false), tape: NoneTape }
     }
 
     /// Measures the times of message passing and of decoding all loads without a tape, s.
@@ -98,11 +98,11 @@ impl Case {
 
     /// Measures the same times on a tape, s.
     fn on_tape(&self) -> [f64; 2] {
-        let (tape, inputs) = (Tape::silent(), self.inputs());
-        let code = self.network.encode(&tape, &self.parameters, &inputs);
-        let encode = best(|| drop(black_box(self.network.encode(&tape, &self.parameters, &inputs))));
+        let (network, inputs): (&dyn Forward, _) = (self.network.as_ref(), self.inputs());
+        let code = network.encode(&self.parameters, &inputs);
+        let encode = best(|| drop(black_box(network.encode(&self.parameters, &inputs))));
         let decode =
-            |loads: &LoadFeatures| drop(black_box(self.network.decode(&tape, &self.parameters, &inputs, &code, loads)));
+            |loads: &LoadFeatures| drop(black_box(network.decode(&self.parameters, &inputs, &code, loads)));
         [encode, best(|| decode(&self.loads))]
     }
 }

@@ -1,59 +1,65 @@
 //! Gradients of every layer of the networks against central differences, to a relative 1e-6 in f64 and 1e-3 in f32.
 
+use dfdx::prelude::{HasShape, PutTape, ReshapeTo, TryMatMul};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::net::autodiff::ops::{
-    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, product, reshape, respond,
-    root_error, share, sum, von_mises,
+    Activation, activate, apply, balanced, deviatoric_stress, displaced, layer_norm, respond, share, von_mises,
 };
-use tactus::net::autodiff::real::Real;
-use tactus::net::autodiff::tape::{Matrix, Tape};
+use tactus::net::autodiff::tensor::{Matrix, NoneTape, Real, SharedTape, gradients, matrix, values};
 use tactus::net::linear_response::balance::{ObjectBalance, PadLoad};
 use tactus::net::linear_response::compliance::Compliance;
 use tactus::net::linear_response::deviator::{Deviator, PARTS};
 use tactus::net::matrix::Sparse;
+use tactus::net::train::loss::root_error;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
     (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()
 }
 
-fn constants<T: Real>(random: &mut Random, n: usize) -> Vec<T> {
-    numbers(random, n).into_iter().map(T::of).collect()
+fn constants<E: Real>(random: &mut Random, n: usize) -> Vec<E> {
+    numbers(random, n).into_iter().map(E::of).collect()
 }
 
+/// Matrix with a tape.
+type Traced<E> = Matrix<E, SharedTape<E>>;
+
 /// Compares directional derivatives along a random direction per parameter, relative to the norm of the gradient.
-fn compare<T: Real>(
+fn compare<E: Real>(
     name: &str,
     (step, tolerance): (f32, f64),
     shapes: &[(usize, usize)],
-    f: impl Fn(&Tape<T>, &[Matrix<T>]) -> Matrix<T>,
+    f: impl Fn(&[Traced<E>], &[Matrix<E>]) -> Traced<E>,
 ) {
     let mut random = Random::new(7);
-    let mut parameters: Vec<Matrix<T>> =
-        shapes.iter().map(|(r, c)| Matrix::parameter(*r, *c, constants(&mut random, r * c))).collect();
+    let mut parameters: Vec<Matrix<E>> =
+        shapes.iter().map(|(r, c)| matrix(*r, *c, constants(&mut random, r * c))).collect();
+    let pass = |p: &[Matrix<E>]| {
+        let tape = SharedTape::default();
+        f(&p.iter().map(|p| p.clone().put_tape(tape.clone())).collect::<Vec<_>>(), p)
+    };
     // With a random target every output contributes to the loss.
-    let out = f(&Tape::silent(), &parameters);
-    let target = numbers(&mut random, out.rows * out.cols);
-    let weight: Vec<f32> = (0..out.rows).map(|_| 0.5 + random.unit() as f32).collect();
-    let loss = |tape: &Tape<T>, p: &[Matrix<T>]| root_error(tape, &f(tape, p), &target, &weight, out.rows);
-    let tape = Tape::recording();
-    let value = loss(&tape, &parameters);
-    let gradients = tape.backward(&value, &parameters);
+    let (rows, cols) = *pass(&parameters).shape();
+    let target = numbers(&mut random, rows * cols);
+    let weight: Vec<f32> = (0..rows).map(|_| 0.5 + random.unit() as f32).collect();
+    let loss = |p: &[Matrix<E>]| root_error(pass(p), target.clone(), weight.clone(), rows);
+    let gradients = gradients(loss(&parameters), &parameters);
     for k in 0..parameters.len() {
-        let direction: Vec<T> = constants(&mut random, parameters[k].value().len());
-        let along: f64 = gradients[k].iter().zip(&direction).map(|(g, d)| (*g * *d).f64()).sum();
-        let start = parameters[k].value().to_vec();
-        let mut at = |h: f32| {
-            *parameters[k].value_mut() = start.iter().zip(&direction).map(|(x, d)| *x + T::of(h) * *d).collect();
-            loss(&Tape::silent(), &parameters).value()[0].f64()
+        let start = values(&parameters[k]);
+        let direction: Vec<E> = constants(&mut random, start.len());
+        let along: f64 = gradients[k].iter().zip(&direction).map(|(g, d)| (*g * *d).into()).sum();
+        let mut at = |h: f32| -> f64 {
+            let moved: Vec<E> = start.iter().zip(&direction).map(|(x, d)| *x + E::of(h) * *d).collect();
+            parameters[k].copy_from(&moved);
+            loss(&parameters).as_vec()[0].into()
         };
         let h = step;
         // Richardson extrapolation: f32 requires a large step, and a large step a higher order.
         let (near, far) = ((at(h) - at(-h)) / f64::from(2.0 * h), (at(2.0 * h) - at(-2.0 * h)) / f64::from(4.0 * h));
-        *parameters[k].value_mut() = start;
+        parameters[k].copy_from(&start);
         let difference = (4.0 * near - far) / 3.0;
-        let length = gradients[k].iter().map(|g| g.f64().powi(2)).sum::<f64>().sqrt();
+        let length = gradients[k].iter().map(|g| Into::<f64>::into(*g).powi(2)).sum::<f64>().sqrt();
         assert!(length > 0.0, "{name}: the gradient of parameter {k} is zero");
         let error = (difference - along).abs() / length;
         assert!(
@@ -72,28 +78,31 @@ macro_rules! check {
 }
 
 #[test]
-fn linear_layers() {
+fn activations_of_sums() {
     for act in [Activation::None, Activation::Gated, Activation::Positive, Activation::Relu] {
-        check!("linear", &[(5, 4), (4, 3), (1, 3)], |t, p| linear(t, &p[0], &p[1], Some(&p[2]), act));
-        check!("linear without bias", &[(5, 4), (4, 3)], |t, p| linear(t, &p[0], &p[1], None, act));
+        check!("linear", &[(5, 4), (4, 3), (1, 3)], |t, p| activate(
+            [t[0].clone().matmul(p[1].clone())],
+            Some(&p[2]),
+            act
+        ));
+        check!("sum", &[(4, 3), (4, 3)], |t, _| activate([t[0].clone(), t[1].clone(), t[0].clone()], None, act));
     }
 }
 
 #[test]
-fn sums_norms_and_shapes() {
-    check!("sum", &[(4, 3), (4, 3)], |t, p| sum(t, &[&p[0], &p[1], &p[0]], Activation::Gated));
-    check!("layer norm", &[(4, 6), (1, 6), (1, 6)], |t, p| layer_norm(t, &p[0], &p[1], &p[2]));
-    check!("product", &[(4, 3), (4, 3)], |t, p| product(t, &p[0], &p[1]));
-    check!("von Mises", &[(4, 5)], |t, p| von_mises(t, &p[0]));
-    check!("reshape", &[(4, 6)], |t, p| sum(t, &[&reshape(t, &p[0], 8)], Activation::Gated));
+fn norms_and_shapes() {
+    check!("layer norm", &[(4, 6), (1, 6), (1, 6)], |t, p| layer_norm(t[0].clone(), &p[1], &p[2]));
+    check!("product", &[(4, 3), (4, 3)], |t, _| t[0].clone() * t[1].clone());
+    check!("von Mises", &[(4, 5)], |t, _| von_mises(t[0].clone()));
+    check!("reshape", &[(4, 6)], |t, _| activate([t[0].clone().reshape_like(&(8, 3))], None, Activation::Gated));
 }
 
 #[test]
 fn sparse_maps_and_shares() {
     let map = Sparse::new(&[vec![(0, 1.0), (2, -0.5)], vec![], vec![(1, 2.0)], vec![(2, 1.0)]], 3);
-    check!("sparse, two blocks", &[(6, 3)], |t, p| apply(t, &map, &p[0]));
-    check!("sparse, transposed", &[(8, 3)], |t, p| apply(t, &map.transposed(), &p[0]));
-    check!("share", &[(8, 3)], |t, p| share(t, &p[0], 4));
+    check!("sparse, two blocks", &[(6, 3)], |t, _| apply(&map, t[0].clone()));
+    check!("sparse, transposed", &[(8, 3)], |t, _| apply(&map.transposed(), t[0].clone()));
+    check!("share", &[(8, 3)], |t, _| share(t[0].clone(), 4));
 }
 
 #[test]
@@ -113,7 +122,7 @@ fn balances() {
     };
     let two = [balance(0.5), balance(2.0)];
     for mirror in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {
-        check!("balance, two levels", &[(16, 3)], |t, p| balanced(t, &p[0], &two, mirror));
+        check!("balance, two levels", &[(16, 3)], |t, _| balanced(t[0].clone(), &two, mirror));
     }
 }
 
@@ -126,14 +135,14 @@ fn linear_responses() {
     let deviator = Deviator { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
     let response = numbers(&mut random, 6 * forces);
     let pad = Arc::new(Compliance::from_parts(slot, response.clone().into(), forces, deviator));
-    check!("response", &[(11, 6)], |t, p| respond(t, &pad, &p[0]));
-    check!("displacement", &[(11, 6)], |t, p| displaced(t, &pad, &p[0]));
-    check!("stress", &[(11, 6)], |t, p| deviatoric_stress(t, &pad, &p[0]));
-    let force = Matrix::constant(11, 6, constants::<f64>(&mut random, 66));
-    let moved = respond(&Tape::silent(), &pad, &force);
-    let dense = Matrix::constant(6, 6, (0..36).map(|i| f64::from(response[i % 6 * 6 + i / 6])).collect());
-    let product = linear(&Tape::silent(), &force, &dense, None, Activation::None);
-    for (a, b) in moved.value().iter().zip(product.value()) {
+    check!("response", &[(11, 6)], |t, _| respond(&pad, t[0].clone()));
+    check!("displacement", &[(11, 6)], |t, _| displaced(&pad, t[0].clone()));
+    check!("stress", &[(11, 6)], |t, _| deviatoric_stress(&pad, t[0].clone()));
+    let force = matrix(11, 6, constants::<f64>(&mut random, 66));
+    let moved = respond(&pad, force.clone());
+    let dense = matrix(6, 6, (0..36).map(|i| f64::from(response[i % 6 * 6 + i / 6])).collect());
+    let product: Matrix<f64> = force.matmul(dense);
+    for (a, b) in values(&moved).iter().zip(values(&product)) {
         assert!((a - b).abs() < 1e-12, "{a} against {b} from a product of matrices");
     }
 }
@@ -141,19 +150,18 @@ fn linear_responses() {
 #[test]
 fn shares_sum_to_one() {
     let mut random = Random::new(3);
-    let x = Matrix::constant(10, 3, numbers(&mut random, 30));
-    let y = share(&Tape::silent(), &x, 5);
-    for group in y.value().chunks_exact(15) {
+    let y = share::<f32, NoneTape>(matrix(10, 3, numbers(&mut random, 30)), 5);
+    for group in values(&y).chunks_exact(15) {
         let sum: f32 = group.iter().step_by(3).sum();
         assert!((sum - 1.0).abs() < 1e-6, "the shares of a finger's force sum to {sum}");
     }
 }
 
 #[test]
-fn a_matrix_used_twice_collects_both_gradients() {
-    // The gradients of all branches that use the matrix must be added.
-    check!("reuse", &[(3, 3)], |t, p| {
-        let a = linear(t, &p[0], &p[0], None, Activation::Gated);
-        sum(t, &[&a, &p[0]], Activation::None)
+fn a_tensor_used_twice_collects_both_gradients() {
+    // The gradients of all branches that use the tensor must be added.
+    check!("reuse", &[(3, 3), (3, 3)], |t, p| {
+        let a = activate([t[0].clone().matmul(p[1].clone())], None, Activation::Gated);
+        a + t[0].clone()
     });
 }

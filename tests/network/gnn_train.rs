@@ -1,13 +1,13 @@
 //! Training and evaluation on a tiny data set and network.
 
 use crate::gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
+use dfdx::prelude::AsArray;
 use std::process::Command;
 use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::geometry::Pose;
 use tactus::model::Model;
-use tactus::net::autodiff::real::Real;
-use tactus::net::autodiff::tape::{Matrix, Tape};
+use tactus::net::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, gradients, values};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{GraspFeatures, Parity};
 use tactus::net::linear_response::GraspLoad;
@@ -15,7 +15,8 @@ use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::Spec;
-use tactus::net::network::{Inputs, Network, Normalisers, build};
+use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
+use tactus::net::train::loss::Scalar;
 use tactus::net::train::sample::{Sample, model_of};
 use tactus::net::train::{data, pass};
 use tactus::scene::from_ron;
@@ -35,32 +36,39 @@ impl Case {
         Self { spec, norms: data::normalisers(&samples, &[]), sample: samples[0].clone() }
     }
 
-    fn loss<T: Real>(&self, tape: &Tape<T>, network: &dyn Network<T>, parameters: &Parameters<T>) -> Matrix<T> {
-        pass(tape, network, parameters, &self.norms, &self.spec.training, &self.sample, (true, false))
+    fn loss<E: Real, T: Tape<E>>(
+        &self,
+        tape: T,
+        network: &(impl Forward<E, T> + ?Sized),
+        parameters: &Parameters<E>,
+    ) -> Scalar<E, T> {
+        let (features, normalisers) = (&self.sample.features, &self.norms);
+        let inputs = Inputs { features, normalisers, mirror: (true, false), tape };
+        pass(network, parameters, &inputs, &self.spec.training, &self.sample)
     }
 
     /// Returns the network with perturbed initial parameters; zero biases would put some ReLUs exactly at their kink.
-    fn network<T: Real>(&self) -> (Box<dyn Network<T>>, Parameters<T>) {
-        let (network, mut parameters) = build::<T>(&self.spec.network, Some(5));
+    fn network<E: Real>(&self) -> (Box<dyn Network<E>>, Parameters<E>) {
+        let (network, mut parameters) = build::<E>(&self.spec.network, Some(5));
         let mut random = Random::new(12);
         for m in &mut parameters.matrices {
-            m.value_mut().iter_mut().for_each(|x| *x += T::of((0.1 * (random.unit() - 0.5)) as f32));
+            let moved = values(m).into_iter().map(|x| x + E::of((0.1 * (random.unit() - 0.5)) as f32));
+            m.copy_from(&moved.collect::<Vec<E>>());
         }
         (network, parameters)
     }
 
     /// Returns the gradient with respect to all parameters, concatenated.
-    fn gradient<T: Real>(&self) -> Vec<f64> {
-        let (network, parameters) = self.network::<T>();
-        let tape = Tape::recording();
-        let value = self.loss(&tape, network.as_ref(), &parameters);
-        let gradient = tape.backward(&value, &parameters.matrices);
+    fn gradient<E: Real>(&self) -> Vec<f64> {
+        let (network, parameters) = self.network::<E>();
+        let loss = self.loss(SharedTape::default(), network.as_ref(), &parameters);
+        let gradient = gradients(loss, &parameters.matrices);
         for (name, g) in parameters.names().iter().zip(&gradient) {
-            assert!(g.iter().all(|v| v.f64().is_finite()), "{name}: the gradient is not finite");
+            assert!(g.iter().all(|v| v.is_finite()), "{name}: the gradient is not finite");
             // `start.pad` depends only on features that are constant in this data set (one material, no gravity).
-            assert!(g.iter().any(|v| v.f64() != 0.0) || name == "start.pad", "{name}: the gradient is all zero");
+            assert!(g.iter().any(|v| *v != E::of(0.0)) || name == "start.pad", "{name}: the gradient is all zero");
         }
-        gradient.iter().flatten().map(|v| v.f64()).collect()
+        gradient.iter().flat_map(|g| g.iter()).map(|v| (*v).into()).collect()
     }
 
     /// Returns the loss with the parameters moved by `step` along `direction`.
@@ -68,9 +76,10 @@ impl Case {
         let (network, mut parameters) = self.network::<f64>();
         let mut direction = direction.iter();
         for m in &mut parameters.matrices {
-            m.value_mut().iter_mut().zip(&mut direction).for_each(|(x, d)| *x += step * d);
+            let moved: Vec<f64> = values(m).iter().zip(&mut direction).map(|(x, d)| x + step * d).collect();
+            m.copy_from(&moved);
         }
-        self.loss(&Tape::silent(), network.as_ref(), &parameters).value()[0]
+        self.loss(NoneTape, network.as_ref(), &parameters).array()
     }
 }
 
@@ -138,12 +147,13 @@ fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
         let graph = Arc::new(PadGraph::new(&model.fingers[0], network.layout()).unwrap());
         let answer = |data| {
             let sample = Sample::of(file, &model, &graph, number, data, 10).unwrap();
-            let inputs = Inputs { features: &sample.features, normalisers: &norms, mirror: (false, false) };
-            let code = network.encode(&Tape::silent(), &parameters, &inputs);
-            let loads = &sample.loads;
-            let out = network.decode(&Tape::silent(), &parameters, &inputs, &code, loads);
+            let inputs =
+                Inputs { features: &sample.features, normalisers: &norms, mirror: (false, false), tape: NoneTape };
+            let network: &dyn Forward = network.as_ref();
+            let code = network.encode(&parameters, &inputs);
+            let out = network.decode(&parameters, &inputs, &code, &sample.loads);
             let all = [out.displacement, out.stress, out.contact, out.travel, out.motion];
-            all.iter().flat_map(|m| m.value()).map(|v| v.to_bits()).collect::<Vec<_>>()
+            all.iter().flat_map(values).map(|v| v.to_bits()).collect::<Vec<_>>()
         };
         assert!(answer(&clean) == answer(&spoilt), "the answer depends on what FEM found");
     }

@@ -5,16 +5,17 @@
 //! `NAME_weight`, edges as (edges, 2: sender, receiver). Outputs are in the network's units, with the rows of
 //! [`crate::network::NetworkOutput`].
 
-use crate::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::tensor::{Matrix, NoneTape, values};
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::infer::inputs::{Array, grasp_inputs, pad_inputs};
 use crate::infer::predict::Predictor;
 use crate::matrix::Sparse;
 use crate::network::spec::{NetworkSpec, Paper};
-use crate::network::{Inputs, VolumeNormalisers};
+use crate::network::{Forward, Inputs, VolumeNormalisers};
 use crate::train::sample::Sample;
 use base::error::Result;
 use base::files::atomic::replace;
+use dfdx::prelude::HasShape;
 use ndarray::{Array2, ArrayD};
 use ndarray_npy::NpzWriter;
 use std::io;
@@ -36,7 +37,11 @@ fn extend<T>(to: &mut Vec<(String, ArrayD<T>)>, arrays: Vec<Array<T>>) {
 
 impl Arrays {
     fn matrix(&mut self, name: &str, matrix: &Matrix) {
-        let array = Array2::from_shape_vec((matrix.rows, matrix.cols), matrix.value().to_vec());
+        self.array(name, *matrix.shape(), values(matrix));
+    }
+
+    fn array(&mut self, name: &str, shape: (usize, usize), numbers: Vec<f32>) {
+        let array = Array2::from_shape_vec(shape, numbers);
         self.numbers.extend(array.map(|a| (name.to_string(), a.into_dyn())));
     }
 
@@ -49,13 +54,13 @@ impl Arrays {
     fn sparse(&mut self, name: &str, map: &Sparse) {
         let (at, weight): (Vec<(u32, u32)>, Vec<f32>) = map.entries().unzip();
         self.pairs(&format!("{name}_at"), &at);
-        self.matrix(&format!("{name}_weight"), &Matrix::constant(1, weight.len(), weight));
+        self.array(&format!("{name}_weight"), (1, weight.len()), weight);
     }
 
     /// Adds the inputs of the paper's network.
     fn paper(&mut self, inputs: &Inputs, sample: &Sample, volume: &Volume, norms: &VolumeNormalisers, sizes: &Paper) {
         // The weights, which all rounds share, do not contain the number of rounds.
-        self.matrix("rounds", &Matrix::constant(1, 1, vec![sizes.rounds.get() as f32]));
+        self.array("rounds", (1, 1), vec![sizes.rounds.get() as f32]);
         let contact: Vec<f32> = sample.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         self.matrix("node", &inputs.matrix(&volume.node, &norms.node, &VOLUME_NODE));
         self.matrix("mesh_edge", &inputs.matrix(&volume.mesh_edge, &norms.mesh, &MESH_EDGE));
@@ -75,7 +80,7 @@ impl Arrays {
 /// Fails if the file cannot be written.
 pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> {
     let (f, n) = (&sample.features, &predictor.card.normalisers);
-    let inputs = Inputs { features: f, normalisers: n, mirror: (false, false) };
+    let inputs = Inputs { features: f, normalisers: n, mirror: (false, false), tape: NoneTape };
     let loads = &sample.loads;
     let mut arrays = Arrays::default();
     if let (Some(volume), Some(norms), NetworkSpec::Paper(sizes)) = (&f.volume, &n.volume, predictor.card.spec.network)
@@ -87,9 +92,9 @@ pub fn write(path: &Path, predictor: &Predictor, sample: &Sample) -> Result<()> 
         extend(&mut arrays.numbers, pad.numbers);
         extend(&mut arrays.numbers, grasp_inputs(f, loads, n));
     }
-    let tape = Tape::silent();
-    let code = predictor.network.encode(&tape, &predictor.parameters, &inputs);
-    let out = predictor.network.decode(&tape, &predictor.parameters, &inputs, &code, loads);
+    let network: &dyn Forward = predictor.network.as_ref();
+    let code = network.encode(&predictor.parameters, &inputs);
+    let out = network.decode(&predictor.parameters, &inputs, &code, loads);
     arrays.matrix("out_displacement", &out.displacement);
     arrays.matrix("out_stress", &out.stress);
     arrays.matrix("out_contact", &out.contact);

@@ -2,7 +2,7 @@
 
 use super::predict::{GraspState, PadState};
 use super::touch::touched;
-use crate::autodiff::tape::Matrix;
+use crate::autodiff::tensor::values;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::pad_graph::PadGraph;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Answer {
     pub(crate) loads: LoadFeatures,
-    pub(crate) out: NetworkOutput,
+    pub(crate) out: OutputArrays,
     pub(crate) norms: Normalisers,
     pub(crate) graph: Arc<PadGraph>,
     pub(crate) pads: usize,
@@ -36,9 +36,36 @@ pub struct Answer {
     pub(crate) known: Vec<bool>,
 }
 
-/// Returns the block `at` of `rows` rows of a matrix: the rows of one pad at one level.
-fn own(m: &Matrix, at: usize, rows: usize) -> &[f32] {
-    &m.value()[at * rows * m.cols..(at + 1) * rows * m.cols]
+/// [`NetworkOutput`] as plain arrays; stress is empty if not required.
+#[derive(Debug)]
+pub struct OutputArrays {
+    /// Displacement (levels * pads * nodes, 3).
+    pub displacement: Vec<f32>,
+    /// Stress (levels * pads * nodes).
+    pub stress: Vec<f32>,
+    /// Contact force (levels * pads * face nodes, 3).
+    pub contact: Vec<f32>,
+    /// Travel (levels * pads).
+    pub travel: Vec<f32>,
+    /// Motion (levels * pads, 6).
+    pub motion: Vec<f32>,
+}
+
+impl From<NetworkOutput> for OutputArrays {
+    fn from(out: NetworkOutput) -> Self {
+        Self {
+            displacement: values(&out.displacement),
+            stress: values(&out.stress),
+            contact: values(&out.contact),
+            travel: values(&out.travel),
+            motion: values(&out.motion),
+        }
+    }
+}
+
+/// Returns block `at` of `count` numbers: those of one pad at one level.
+fn own(all: &[f32], at: usize, count: usize) -> &[f32] {
+    &all[at * count..(at + 1) * count]
 }
 
 fn vector(v: &[f32; 3]) -> DVec3 {
@@ -53,11 +80,11 @@ impl Answer {
         let stressed = if self.stress { nodes } else { 0 };
         (level * self.pads..(level + 1) * self.pads).all(|at| {
             let fields = [
-                own(&out.displacement, at, nodes),
+                own(&out.displacement, at, 3 * nodes),
                 own(&out.stress, at, stressed),
-                own(&out.contact, at, face),
+                own(&out.contact, at, 3 * face),
                 own(&out.travel, at, 1),
-                own(&out.motion, at, 1),
+                own(&out.motion, at, 6),
             ];
             // `v * 0.0` is NaN for every `v` that is not finite, and a sum preserves NaN.
             let all = |v: &[f32]| v.iter().map(|v| v * 0.0).sum::<f32>() == 0.0;
@@ -83,7 +110,7 @@ impl Answer {
         let count = graph.face.len();
         (0..self.pads * count).map(move |i| {
             let at = level * self.pads + i / count;
-            let moved = own(&self.out.displacement, at, nodes).as_chunks().0;
+            let moved = own(&self.out.displacement, at, 3 * nodes).as_chunks().0;
             vector(&moved[graph.face[i % count] as usize]) * (self.loads.depth[at] * f64::from(self.norms.displacement))
         })
     }
@@ -91,7 +118,7 @@ impl Answer {
     /// Returns the travel output of the network, m; `at` is the index of pad and level.
     fn head_travel(&self, at: usize) -> f64 {
         let [mean, scale] = self.norms.travel.map(f64::from);
-        self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel.value()[at]))
+        self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel[at]))
     }
 
     /// Moves the fingers to where the predicted faces touch the object, so that the travel is consistent with
@@ -139,13 +166,13 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
         let at = level * answer.pads + pad;
         let depth = loads.depth[at] * weight;
         let unit = depth * f64::from(norms.displacement);
-        let moved = own(&out.displacement, at, nodes).as_chunks().0;
+        let moved = own(&out.displacement, at, 3 * nodes).as_chunks().0;
         state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
         let unit = answer.young * depth / t * f64::from(norms.stress);
         let stress = own(&out.stress, at, stressed);
         state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
         let unit = loads.pressing[at] * answer.unit_force * weight;
-        for (i, c) in graph.face.iter().zip(own(&out.contact, at, face).as_chunks::<3>().0) {
+        for (i, c) in graph.face.iter().zip(own(&out.contact, at, 3 * face).as_chunks::<3>().0) {
             // In units of the pressing force: normal component against the closing direction, friction along x and y.
             state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
         }
@@ -154,7 +181,7 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
         if loads.held[level] {
             continue;
         }
-        let motion = own(&out.motion, at, 1).as_chunks().0;
+        let motion = own(&out.motion, at, 6).as_chunks().0;
         let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
         state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
         state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));

@@ -1,16 +1,16 @@
 //! Face network with packed weights and reused memory.
 
+use super::answer::OutputArrays;
 use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
 use super::response::{self, respond};
-use crate::autodiff::tape::Matrix;
 use crate::features::loads::LoadFeatures;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD};
 use crate::matrix::activation::Act;
 use crate::matrix::product::{Packed, Product, RowsView, padded};
 use crate::network::parameters::Parameters;
 use crate::network::spec::Face;
-use crate::network::{NetworkOutput, Normalisers};
+use crate::network::Normalisers;
 use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -85,16 +85,15 @@ struct Workspace {
 }
 
 /// Returns a row padded with zeros.
-pub(crate) fn row(of: &[f32]) -> Vec<f32> {
-    let mut row = of.to_vec();
+pub(crate) fn row(mut row: Vec<f32>) -> Vec<f32> {
     row.resize(padded(row.len()), 0.0);
     row
 }
 
 /// Concatenates matrices (rows, cols) horizontally, each padded.
-pub(crate) fn beside(parts: &[(&[f32], usize)]) -> (Vec<f32>, usize) {
+pub(crate) fn beside(parts: &[(Vec<f32>, usize)]) -> (Vec<f32>, usize) {
     let rows = parts[0].0.len() / parts[0].1;
-    let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(&w[r * cols..(r + 1) * cols])));
+    let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(w[r * cols..(r + 1) * cols].to_vec())));
     let all: Vec<f32> = all.collect();
     let cols = all.len() / rows;
     (all, cols)
@@ -108,15 +107,12 @@ impl FaceEngine {
     /// Creates the engine from the parameters of a [`crate::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
-        let get = |name: &str| parameters.named(name).value();
-        let packed = |name: &str| {
-            let matrix = parameters.named(name);
-            Packed::new(matrix.value(), matrix.cols)
-        };
+        let get = |name: &str| parameters.entries(name);
+        let packed = |name: &str| parameters.packed(name);
         let norm = |name: &str| [row(get(&format!("{name}.gain"))), row(get(&format!("{name}.shift")))];
         let pools = |name: &str| {
             let parts = ["mean", "near", "other_mean", "other_near"];
-            let all: Vec<f32> = parts.iter().flat_map(|k| get(&format!("{name}.{k}"))).copied().collect();
+            let all: Vec<f32> = parts.iter().flat_map(|k| get(&format!("{name}.{k}"))).collect();
             Pools { weights: Packed::new(&all, h), bias: row(get(&format!("{name}.bias"))) }
         };
         let round = |r: usize| {
@@ -254,9 +250,9 @@ impl FaceEngine {
 
     /// Computes the outputs of grasps on pads of one graph, each at some loads, in the units of the network; stress is
     /// empty if not required. The response of the pads is read once for all of them.
-    pub fn decode(&self, grasps: &[Decoding], stress: bool) -> Vec<NetworkOutput> {
+    pub fn decode(&self, grasps: &[Decoding], stress: bool) -> Vec<OutputArrays> {
         let Some(graph) = grasps.first().map(|grasp| &grasp.features.graph) else { return Vec::new() };
-        let (n, nodes) = (graph.face.len(), graph.node_count);
+        let n = graph.face.len();
         let mut own = self.take();
         let Workspace { channels: all, response: memory, .. } = &mut own;
         all.resize_with(grasps.len().max(all.len()), Channels::default);
@@ -275,17 +271,10 @@ impl FaceEngine {
         let mut outputs = Vec::with_capacity(grasps.len());
         for (scales, channels) in scales.iter().zip(all.iter_mut()) {
             let (displacement, stress) = given.correct(first, channels, &self.normalisers);
-            let items = scales.len();
-            first += items;
+            first += scales.len();
             let [contact, travel, motion] =
                 [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
-            outputs.push(NetworkOutput {
-                displacement: Matrix::constant(items * nodes, 3, displacement),
-                stress: Matrix::constant(stress.len(), 1, stress),
-                contact: Matrix::constant(items * n, 3, contact),
-                travel: Matrix::constant(items, 1, travel),
-                motion: Matrix::constant(items, 6, motion),
-            });
+            outputs.push(OutputArrays { displacement, stress, contact, travel, motion });
         }
         self.put(own);
         outputs

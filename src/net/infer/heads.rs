@@ -81,19 +81,16 @@ impl Heads {
     /// Creates the decoder from the parameters of the network.
     pub fn new(sizes: &Face, parameters: &Parameters) -> Self {
         let (d, depths) = (sizes.decoder.get(), sizes.depths.get());
-        let packed = |name: &str| {
-            let matrix = parameters.named(name);
-            Packed::new(matrix.value(), matrix.cols)
-        };
+        let packed = |name: &str| parameters.packed(name);
         let both = |name: &str| {
-            [("weight", d), ("bias", 1)].map(|(k, rows)| (parameters.named(&format!("{name}.{k}")).value(), rows))
+            [("weight", d), ("bias", 1)].map(|(k, rows)| (parameters.entries(&format!("{name}.{k}")), rows))
         };
         // Concatenates columns of the layers in the order of the channels, of the weights (part 0) or the biases (part
         // 1).
         let [contact, factor, stress, displacement, scale] =
             ["contact", "factor", "stress", "displacement", "scale"].map(both);
         let side = |part: usize| {
-            let (w, rows) = (|l: &[(&[f32], usize); 2]| l[part].0.to_vec(), contact[part].1);
+            let (w, rows) = (|l: &[(Vec<f32>, usize); 2]| l[part].0.clone(), contact[part].1);
             let cut = |m: Vec<f32>, r: usize, from: usize, n: usize| {
                 let cols = m.len() / rows;
                 m[r * cols + from..r * cols + from + n].to_vec()
@@ -101,33 +98,33 @@ impl Heads {
             let mut all = Vec::new();
             for r in 0..rows {
                 let first = [cut(w(&contact), r, 0, 3), cut(w(&factor), r, 0, depths), cut(w(&stress), r, 0, depths)];
-                all.extend(row(&first.concat()));
+                all.extend(row(first.concat()));
                 let deep = (0..depths)
                     .flat_map(|k| [cut(w(&displacement), r, 3 * k, 3), cut(w(&scale), r, 3 * k, 3)].concat());
-                all.extend(row(&deep.collect::<Vec<_>>()));
+                all.extend(row(deep.collect()));
             }
             let cols = all.len() / rows;
             (all, cols)
         };
         let (weights, width) = side(0);
         let [travel, motion] = ["travel", "motion"].map(both);
-        let (pad, pad_width) = beside(&[(travel[0].0, 1), (motion[0].0, 6)]);
+        let (pad, pad_width) = beside(&[(travel[0].0.clone(), 1), (motion[0].0.clone(), 6)]);
         Self {
             depths,
             load: packed("node.load"),
             pad_load: packed("node.pad_load"),
             inner: packed("node.inner.weight"),
-            inner_bias: row(parameters.named("node.inner.bias").value()),
+            inner_bias: row(parameters.entries("node.inner.bias")),
             outer: packed("node.outer.weight"),
-            outer_bias: row(parameters.named("node.outer.bias").value()),
+            outer_bias: row(parameters.entries("node.outer.bias")),
             node: Packed::new(&weights, width),
             node_bias: side(1).0,
             first: padded(3 + 2 * depths),
             own_pad_load: packed("pad.load"),
             middle: packed("pad.middle.weight"),
-            middle_bias: row(parameters.named("pad.middle.bias").value()),
+            middle_bias: row(parameters.entries("pad.middle.bias")),
             pad: Packed::new(&pad, pad_width),
-            pad_bias: beside(&[(travel[1].0, 1), (motion[1].0, 6)]).0,
+            pad_bias: beside(&[(travel[1].0.clone(), 1), (motion[1].0.clone(), 6)]).0,
         }
     }
 

@@ -3,13 +3,12 @@
 //!
 //! Features are normalised. Sizes: `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
 
-use crate::autodiff::ops::{deviatoric_stress, displaced, respond};
-use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::features::{EDGE, GraspFeatures, NODE, PAD, edge_features};
+use crate::features::normalise::Normaliser;
+use crate::features::{Parity, EDGE, GraspFeatures, NODE, PAD, edge_features};
 use crate::linear_response::balance::{EQUATIONS, ObjectBalance};
 use crate::linear_response::pad_graph::PadGraph;
-use crate::network::{Inputs, Normalisers};
+use crate::network::Normalisers;
 use std::sync::Arc;
 
 /// Named array.
@@ -57,11 +56,9 @@ pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> Pa
     let whole: f64 = graph.area.iter().sum();
     let pad = &graph.compliance;
     let unit = |i: usize| (0..pad.forces).map(move |j| f32::from(u8::from(i == j)));
-    let silent = Tape::silent();
-    let moved =
-        respond(&silent, pad, &Matrix::constant(pad.forces, pad.forces, (0..pad.forces).flat_map(unit).collect()));
-    let response = displaced(&silent, pad, &moved).value().to_vec();
-    let stress_response = deviatoric_stress(&silent, pad, &moved).value().to_vec();
+    let moved = pad.displacements(&(0..pad.forces).flat_map(unit).collect::<Vec<f32>>());
+    let response = pad.scatter.times(&moved, 3);
+    let stress_response = pad.stresses(&moved);
     let pairs = graph.edges.list.iter().flat_map(|(sender, receiver)| [*sender, *receiver]).collect();
     PadInputs {
         indices: vec![
@@ -100,10 +97,10 @@ fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
 /// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `load_about_midpoint`
 /// (L, 6): force and moment that the pads must carry.
 pub fn grasp_inputs(features: &GraspFeatures, loads: &LoadFeatures, normalisers: &Normalisers) -> Vec<Array<f32>> {
-    let inputs = Inputs { features, normalisers, mirror: (false, false) };
     let (p, n, l) = (features.pads, features.graph.face.len(), loads.load.len());
     let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]).collect();
-    let normal = |rows: &[f32], normaliser, parity| inputs.matrix::<f32>(rows, normaliser, parity).value().to_vec();
+    let normal =
+        |rows: &[f32], normaliser: &Normaliser, parity: &[Parity]| normaliser.apply(rows, parity, (false, false));
     let near = features.near.entries().map(|(_, weight)| weight).collect();
     let pressing = loads.pressing.iter().map(|force| (force * features.unit_force()) as f32).collect();
     let mut arrays = vec![

@@ -1,8 +1,8 @@
 //! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
-use super::answer::Answer;
+use super::answer::{Answer, OutputArrays};
 use super::{Code, Decoding, FaceEngine};
-use crate::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::tensor::{Matrix, NoneTape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::first_contact::GeometricContact;
@@ -12,7 +12,7 @@ use crate::linear_response::{GraspLoad, loads_of};
 use crate::network::card::{Card, Trained, WEIGHTS};
 use crate::network::parameters::Parameters;
 use crate::network::spec::NetworkSpec;
-use crate::network::{Inputs, Network, NetworkOutput, build};
+use crate::network::{Forward, Inputs, Network, build};
 use base::error::{Error, Result};
 use glam::DVec3;
 use model::Model;
@@ -21,7 +21,7 @@ use record::ErrorBound;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Number of load levels that are decoded together on a tape.
+/// Number of load levels that are decoded together as tensors.
 const LEVELS: usize = 10;
 
 /// Trained model with its network.
@@ -33,7 +33,7 @@ pub struct Predictor {
     pub network: Box<dyn Network>,
     /// Weights of the network.
     pub parameters: Parameters,
-    /// The same network without a tape; None if its kind has no such engine.
+    /// The same network without tensors; None if its kind has no such engine.
     engine: Option<FaceEngine>,
     /// Graphs of the pads requested so far.
     pub(crate) pads: PadGraphs,
@@ -74,7 +74,7 @@ impl Seen {
 
 #[derive(Debug)]
 enum Encoded {
-    Tape(Vec<Matrix>),
+    Tensors(Vec<Matrix>),
     Engine(Code),
 }
 
@@ -203,14 +203,18 @@ impl Predictor {
     pub fn encode(&self, features: GraspFeatures) -> Seen {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
-            None => Encoded::Tape(self.network.encode(&Tape::silent(), &self.parameters, &self.inputs(&features))),
+            None => Encoded::Tensors(self.forward().encode(&self.parameters, &self.inputs(&features))),
         };
         let inside = self.card.range.outside(&features.model, &features.graph.hash).is_none();
         Seen { features, code, stress: true, inside }
     }
 
+    fn forward(&self) -> &dyn Forward {
+        self.network.as_ref()
+    }
+
     fn inputs<'a>(&'a self, features: &'a GraspFeatures) -> Inputs<'a> {
-        Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false) }
+        Inputs { features, normalisers: &self.card.normalisers, mirror: (false, false), tape: NoneTape }
     }
 
     /// Predicts the states of the pads under a load: a force per finger, N, or a force and a push.
@@ -236,19 +240,19 @@ impl Predictor {
     }
 
     /// Computes the outputs for `grasps` on pads of one graph, in their order.
-    fn outputs<'a>(&self, grasps: &'a [(&'a Seen, LoadFeatures)]) -> Vec<NetworkOutput> {
+    fn outputs<'a>(&self, grasps: &'a [(&'a Seen, LoadFeatures)]) -> Vec<OutputArrays> {
         let coded = |grasp: &'a (&'a Seen, LoadFeatures)| match &grasp.0.code {
             Encoded::Engine(code) => Some(Decoding { features: &grasp.0.features, code, loads: &grasp.1 }),
-            Encoded::Tape(_) => None,
+            Encoded::Tensors(_) => None,
         };
         let together: Option<Vec<Decoding>> = grasps.iter().map(coded).collect();
         if let (Some(engine), Some(together)) = (&self.engine, together) {
             return engine.decode(&together, grasps.iter().any(|(seen, _)| seen.stress));
         }
         let alone = |(seen, loads): &(&Seen, LoadFeatures)| match &seen.code {
-            Encoded::Tape(code) => {
+            Encoded::Tensors(code) => {
                 let inputs = self.inputs(&seen.features);
-                self.network.decode(&Tape::silent(), &self.parameters, &inputs, code, loads)
+                self.forward().decode(&self.parameters, &inputs, code, loads).into()
             }
             // A grasp encoded by another predictor is encoded again.
             Encoded::Engine(_) => self.outputs(&[(&self.encode(seen.features.clone()), loads.clone())]).swap_remove(0),
@@ -274,7 +278,7 @@ impl Predictor {
     }
 
     /// Returns the answer with the travel consistent with its displacement field, and its error indicators.
-    fn checked(&self, seen: &Seen, given: &[GraspLoad], loads: LoadFeatures, out: NetworkOutput) -> Result<Answer> {
+    fn checked(&self, seen: &Seen, given: &[GraspLoad], loads: LoadFeatures, out: OutputArrays) -> Result<Answer> {
         let (features, norms) = (&seen.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());

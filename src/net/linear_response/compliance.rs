@@ -7,12 +7,14 @@
 
 use super::deviator::{Deviator, deviators};
 use super::refined_pad::RefinedPad;
+use crate::matrix::Sparse;
 use crate::matrix::numbers::Numbers;
 use crate::matrix::product::{LANES, Packed, RowsView, respond};
 use base::error::{Error, Result};
 use glam::DVec3;
 use mech::body::cholesky::Factor;
 use model::part::FingerModel;
+use std::sync::Arc;
 
 /// Number of right-hand sides that are solved at once.
 const COLUMNS: usize = 96;
@@ -28,6 +30,8 @@ pub struct Compliance {
     pub slot: Vec<Option<u32>>,
     /// Response (movable nodes * 3, forces) of every displacement component to each force component.
     pub response: Numbers,
+    /// Map from movable nodes to all nodes; rows of bonded nodes are empty.
+    pub scatter: Arc<Sparse>,
     /// Map from displacements to the deviatoric stress of every node over `E`.
     pub deviator: Deviator,
 }
@@ -93,7 +97,9 @@ impl Compliance {
 
     /// Creates a response from parts that were computed earlier.
     pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
-        Self { nodes: slot.len(), forces, slot, response, deviator }
+        let rows: Vec<Vec<(u32, f32)>> = slot.iter().map(|slot| slot.iter().map(|s| (*s, 1.0)).collect()).collect();
+        let scatter = Sparse::new(&rows, response.len() / (3 * forces).max(1));
+        Self { nodes: slot.len(), forces, slot, response, scatter, deviator }
     }
 
     /// Returns the number of displacement components: three per movable node.

@@ -9,6 +9,7 @@ pub mod edges;
 pub mod first_contact;
 pub mod known_pads;
 pub mod limit_surface;
+mod many_loads;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;

@@ -13,293 +13,274 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
-use super::{Inputs, Network, NetworkOutput, constant, repeat};
+use super::layers::{Linear, Norm};
+use super::{Forward, Inputs, Network, NetworkOutput, repeat};
 use crate::autodiff::ops::{
-    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, product, reshape, respond, share,
-    sum, von_mises,
+    Activation, activate, apply, balanced, deviatoric_stress, displaced, respond, share, von_mises,
 };
-use crate::autodiff::real::Real;
-use crate::autodiff::tape::{Matrix, Tape};
+use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, NODE, PAD};
 use crate::linear_response::pad_graph::Layout;
 use crate::matrix::Sparse;
 use crate::network::parameters::{Id, ParameterBuilder, Parameters};
 use crate::network::spec::Face;
+use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 use std::sync::Arc;
-
-/// Weights and bias of a layer.
-#[derive(Debug, Clone, Copy)]
-struct Layer(Id, Id);
 
 /// Parameters of the network.
 #[derive(Debug)]
 pub struct FaceNetwork {
     depths: usize,
-    start: Layer,
-    start_pad: Id,
+    start: Linear,
+    start_pad: Linear,
     rounds: Vec<Round>,
-    last: Layer,
+    last: Norm,
     pools: Pools,
-    node: [Id; 3],
+    node: [Linear; 3],
     node_bias: Id,
-    inner: Layer,
-    outer: Layer,
-    displacement: Layer,
-    scale: Layer,
-    stress: Layer,
-    factor: Layer,
-    contact: Layer,
-    pad: [Id; 2],
+    inner: Linear,
+    outer: Linear,
+    displacement: Linear,
+    scale: Linear,
+    stress: Linear,
+    factor: Linear,
+    contact: Linear,
+    pad: [Linear; 2],
     pad_bias: Id,
-    middle: Layer,
-    travel: Layer,
-    motion: Layer,
+    middle: Linear,
+    travel: Linear,
+    motion: Linear,
 }
 
 /// Parameters of one round of message passing.
 #[derive(Debug)]
 struct Round {
-    norm: Layer,
-    edge: Layer,
-    sender: Id,
-    receiver: Id,
+    norm: Norm,
+    edge: Linear,
+    sender: Linear,
+    receiver: Linear,
     pools: Pools,
-    own: Layer,
-    messages: Id,
-    global: Id,
-    out: Layer,
+    own: Linear,
+    messages: Linear,
+    global: Linear,
+    out: Linear,
 }
 
 /// Layer on pooled features of a pad and of the other pad.
 #[derive(Debug)]
 struct Pools {
-    weights: [Id; 4],
+    weights: [Linear; 4],
     bias: Id,
 }
 
 impl Pools {
-    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, latent: usize) -> Self {
-        let weight =
-            |maker: &mut ParameterBuilder<T>, part: &str| maker.weight(&format!("{name}.{part}"), latent, latent, 0.5);
-        let weights = ["mean", "near", "other_mean", "other_near"].map(|part| weight(maker, part));
+    fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, latent: usize) -> Self {
+        let weights = ["mean", "near", "other_mean", "other_near"]
+            .map(|part| Linear::bare(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
         Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
     }
 
     /// Pools node values (pads * nodes, latent) to pads (pads, latent).
-    fn apply<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs, h: &Matrix<T>) -> Matrix<T> {
+    fn apply<E: Real, T: Tape<E>>(&self, p: &Parameters<E>, inputs: &Inputs<T>, h: &Matrix<E, T>) -> Matrix<E, T> {
         let f = inputs.features;
-        let pads = f.pads;
         // With one finger there is no other pad: its row is empty, which yields zero.
-        let other = (0..pads).map(|i| if pads == 2 { vec![(1 - i as u32, 1.0)] } else { Vec::new() });
-        let other = Sparse::new(&other.collect::<Vec<_>>(), pads);
-        let (mean, near) = (apply(tape, &f.mean, h), apply(tape, &f.near, h));
-        let (other_mean, other_near) = (apply(tape, &other, &mean), apply(tape, &other, &near));
-        let bias = Some(p.get(self.bias));
-        let [a, b, c, d] = self.weights.map(|w| p.get(w));
+        let other = (0..f.pads).map(|i| if f.pads == 2 { vec![(1 - i as u32, 1.0)] } else { Vec::new() });
+        let other = Sparse::new(&other.collect::<Vec<_>>(), f.pads);
+        let (mean, near) = (apply(&f.mean, h.clone()), apply(&f.near, h.clone()));
+        let [a, b, c, d] = self.weights;
         let terms = [
-            linear(tape, &mean, a, bias, Activation::None),
-            linear(tape, &near, b, None, Activation::None),
-            linear(tape, &other_mean, c, None, Activation::None),
-            linear(tape, &other_near, d, None, Activation::None),
+            a.apply(p, mean.clone()),
+            b.apply(p, near.clone()),
+            c.apply(p, apply(&other, mean)),
+            d.apply(p, apply(&other, near)),
         ];
-        sum(tape, &terms.each_ref(), Activation::Gated)
+        activate(terms, Some(p.get(self.bias)), Activation::Gated)
     }
 }
 
 impl FaceNetwork {
     /// Creates the network with initial values from `maker`.
-    pub fn new<T: Real>(sizes: &Face, maker: &mut ParameterBuilder<T>) -> Self {
+    pub fn new<E: Real>(sizes: &Face, maker: &mut ParameterBuilder<E>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
-        let layer = |maker: &mut ParameterBuilder<T>, name: &str, rows: usize, cols: usize, gain: f64| {
-            Layer(
-                maker.weight(&format!("{name}.weight"), rows, cols, gain),
-                maker.row(&format!("{name}.bias"), cols, 0.0),
-            )
-        };
-        let norm = |maker: &mut ParameterBuilder<T>, name: &str| {
-            Layer(maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0))
-        };
-        let start = layer(maker, "start.node", NODE.len(), h, 1.0);
-        let start_pad = maker.weight("start.pad", PAD.len(), h, 0.5);
-        let rounds = (0..sizes.rounds.get()).map(|r| Round {
-            norm: norm(maker, &format!("round{r}.norm")),
-            edge: layer(maker, &format!("round{r}.edge"), EDGE.len(), h, 0.7),
-            sender: maker.weight(&format!("round{r}.sender"), h, h, 0.7),
-            receiver: maker.weight(&format!("round{r}.receiver"), h, h, 0.7),
-            pools: Pools::new(maker, &format!("round{r}.pool"), h),
-            own: layer(maker, &format!("round{r}.own"), h, h, 0.7),
-            messages: maker.weight(&format!("round{r}.messages"), h, h, 0.7),
-            global: maker.weight(&format!("round{r}.global"), h, h, 0.7),
-            out: layer(maker, &format!("round{r}.out"), h, h, 0.5),
+        let start = Linear::new(maker, "start.node", (NODE.len(), h), 1.0, 0.0);
+        let start_pad = Linear::bare(maker, "start.pad", (PAD.len(), h), 0.5);
+        let rounds = (0..sizes.rounds.get()).map(|r| {
+            let name = |part: &str| format!("round{r}.{part}");
+            Round {
+                norm: Norm::new(maker, &name("norm"), h),
+                edge: Linear::new(maker, &name("edge"), (EDGE.len(), h), 0.7, 0.0),
+                sender: Linear::bare(maker, &name("sender"), (h, h), 0.7),
+                receiver: Linear::bare(maker, &name("receiver"), (h, h), 0.7),
+                pools: Pools::new(maker, &name("pool"), h),
+                own: Linear::new(maker, &name("own"), (h, h), 0.7, 0.0),
+                messages: Linear::bare(maker, &name("messages"), (h, h), 0.7),
+                global: Linear::bare(maker, &name("global"), (h, h), 0.7),
+                out: Linear::new(maker, &name("out"), (h, h), 0.5, 0.0),
+            }
         });
         Self {
             depths,
             start,
             start_pad,
             rounds: rounds.collect(),
-            last: norm(maker, "last.norm"),
+            last: Norm::new(maker, "last.norm", h),
             pools: Pools::new(maker, "last.pool", h),
             node: [
-                maker.weight("node.latent", h, d, 1.0),
-                maker.weight("node.load", NODE_LOAD.len(), d, 1.0),
-                maker.weight("node.pad_load", PAD_LOAD.len(), d, 1.0),
+                Linear::bare(maker, "node.latent", (h, d), 1.0),
+                Linear::bare(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
+                Linear::bare(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
             ],
             node_bias: maker.row("node.bias", d, 0.0),
-            inner: layer(maker, "node.inner", d, d, 1.0),
-            outer: layer(maker, "node.outer", d, d, 0.5),
-            displacement: layer(maker, "displacement", d, 3 * depths, 0.01),
-            scale: Layer(maker.weight("scale.weight", d, 3 * depths, 0.01), maker.row("scale.bias", 3 * depths, 1.0)),
+            inner: Linear::new(maker, "node.inner", (d, d), 1.0, 0.0),
+            outer: Linear::new(maker, "node.outer", (d, d), 0.5, 0.0),
+            displacement: Linear::new(maker, "displacement", (d, 3 * depths), 0.01, 0.0),
+            scale: Linear::new(maker, "scale", (d, 3 * depths), 0.01, 1.0),
             // Initially the stress is almost that of the linear response: a small offset, and a factor of one.
-            stress: Layer(maker.weight("stress.weight", d, depths, 0.01), maker.row("stress.bias", depths, -2.0)),
-            factor: Layer(maker.weight("factor.weight", d, depths, 0.01), maker.row("factor.bias", depths, 0.75)),
-            contact: layer(maker, "contact", d, 3, 0.01),
-            pad: [maker.weight("pad.latent", h, d, 1.0), maker.weight("pad.load", PAD_LOAD.len(), d, 1.0)],
+            stress: Linear::new(maker, "stress", (d, depths), 0.01, -2.0),
+            factor: Linear::new(maker, "factor", (d, depths), 0.01, 0.75),
+            contact: Linear::new(maker, "contact", (d, 3), 0.01, 0.0),
+            pad: [
+                Linear::bare(maker, "pad.latent", (h, d), 1.0),
+                Linear::bare(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
+            ],
             pad_bias: maker.row("pad.bias", d, 0.0),
-            middle: layer(maker, "pad.middle", d, d, 1.0),
-            travel: layer(maker, "travel", d, 1, 0.01),
-            motion: layer(maker, "motion", d, 6, 0.01),
+            middle: Linear::new(maker, "pad.middle", (d, d), 1.0, 0.0),
+            travel: Linear::new(maker, "travel", (d, 1), 0.01, 0.0),
+            motion: Linear::new(maker, "motion", (d, 6), 0.01, 0.0),
         }
     }
 
-    fn pass<T: Real>(
-        &self,
-        tape: &Tape<T>,
-        p: &Parameters<T>,
-        inputs: &Inputs,
+    /// Computes one round of message passing on the node values h.
+    fn pass<E: Real, T: Tape<E>>(
+        p: &Parameters<E>,
+        inputs: &Inputs<T>,
         round: &Round,
-        h: &Matrix<T>,
-        edge: &Matrix<T>,
-    ) -> Matrix<T> {
+        h: Matrix<E, T>,
+        edge: &Matrix<E, T>,
+    ) -> Matrix<E, T> {
         let graph = &inputs.features.graph;
-        let (none, gated) = (Activation::None, Activation::Gated);
-        let x = layer_norm(tape, h, p.get(round.norm.0), p.get(round.norm.1));
-        let from = apply(tape, &graph.edges.senders, &linear(tape, &x, p.get(round.sender), None, none));
-        let to = apply(tape, &graph.edges.receivers, &linear(tape, &x, p.get(round.receiver), None, none));
-        let own = linear(tape, edge, p.get(round.edge.0), Some(p.get(round.edge.1)), none);
-        let messages = apply(tape, &graph.edges.gather, &sum(tape, &[&own, &from, &to], gated));
-        let global = round.pools.apply(tape, p, inputs, &x);
-        let global = spread(tape, &linear(tape, &global, p.get(round.global), None, none), graph.face.len());
-        let inner = [
-            linear(tape, &x, p.get(round.own.0), Some(p.get(round.own.1)), none),
-            linear(tape, &messages, p.get(round.messages), None, none),
-            global,
-        ];
-        let inner = sum(tape, &inner.each_ref(), gated);
-        sum(tape, &[h, &linear(tape, &inner, p.get(round.out.0), Some(p.get(round.out.1)), none)], none)
+        let x = round.norm.apply(p, h.clone());
+        let sent = apply(&graph.edges.senders, round.sender.apply(p, x.clone()));
+        let received = apply(&graph.edges.receivers, round.receiver.apply(p, x.clone()));
+        let message = activate([round.edge.apply(p, edge.clone()), sent, received], None, Activation::Gated);
+        let messages = apply(&graph.edges.gather, message);
+        let pooled = round.global.apply(p, round.pools.apply(p, inputs, &x));
+        let terms = [round.own.apply(p, x), round.messages.apply(p, messages), spread(pooled, graph.face.len())];
+        h + round.out.apply(p, activate(terms, None, Activation::Gated))
     }
 }
 
-impl<T: Real> Network<T> for FaceNetwork {
+impl<E: Real> Network<E> for FaceNetwork {
     fn layout(&self) -> Layout {
         Layout::Face { depths: self.depths }
     }
+}
 
-    fn encode(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>> {
+impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
+    fn encode(&self, p: &Parameters<E>, inputs: &Inputs<T>) -> Vec<Matrix<E, T>> {
         let (f, n) = (inputs.features, inputs.normalisers);
-        let node = inputs.matrix(&f.node, &n.node, &NODE);
         let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
-        let pad = inputs.matrix(&f.pad, &n.pad, &PAD);
-        let start = linear(tape, &node, p.get(self.start.0), Some(p.get(self.start.1)), Activation::None);
-        let pad = linear(tape, &pad, p.get(self.start_pad), None, Activation::None);
-        let mut h = sum(tape, &[&start, &spread(tape, &pad, f.graph.face.len())], Activation::None);
+        let pad = self.start_pad.apply(p, inputs.matrix(&f.pad, &n.pad, &PAD));
+        let mut h = self.start.apply(p, inputs.matrix(&f.node, &n.node, &NODE)) + spread(pad, f.graph.face.len());
         for round in &self.rounds {
-            h = self.pass(tape, p, inputs, round, &h, &edge);
+            h = Self::pass(p, inputs, round, h, &edge);
         }
-        let h = layer_norm(tape, &h, p.get(self.last.0), p.get(self.last.1));
-        let pooled = self.pools.apply(tape, p, inputs, &h);
+        let h = self.last.apply(p, h);
+        let pooled = self.pools.apply(p, inputs, &h);
         // Load-independent part of the first decoder layer.
-        let node = linear(tape, &h, p.get(self.node[0]), Some(p.get(self.node_bias)), Activation::None);
-        let pad = linear(tape, &pooled, p.get(self.pad[0]), Some(p.get(self.pad_bias)), Activation::None);
+        let none = Activation::None;
+        let node = activate([self.node[0].apply(p, h)], Some(p.get(self.node_bias)), none);
+        let pad = activate([self.pad[0].apply(p, pooled)], Some(p.get(self.pad_bias)), none);
         vec![node, pad]
     }
 
     fn decode(
         &self,
-        tape: &Tape<T>,
-        p: &Parameters<T>,
-        inputs: &Inputs,
-        code: &[Matrix<T>],
+        p: &Parameters<E>,
+        inputs: &Inputs<T>,
+        code: &[Matrix<E, T>],
         loads: &LoadFeatures,
-    ) -> NetworkOutput<T> {
+    ) -> NetworkOutput<E, T> {
         let (f, n, graph) = (inputs.features, inputs.normalisers, &inputs.features.graph);
-        let (pads, face) = (f.pads, graph.face.len());
-        let levels = loads.load.len();
-        let (none, gated) = (Activation::None, Activation::Gated);
+        let (pads, face, levels) = (f.pads, graph.face.len(), loads.load.len());
+        let gated = Activation::Gated;
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
         let node = [
-            apply(tape, &repeat(levels, pads * face), &code[0]),
-            linear(tape, &at_node, p.get(self.node[1]), None, none),
-            spread(tape, &linear(tape, &at_pad, p.get(self.node[2]), None, none), face),
+            apply(&repeat(levels, pads * face), code[0].clone()),
+            self.node[1].apply(p, at_node),
+            spread(self.node[2].apply(p, at_pad.clone()), face),
         ];
-        let z = sum(tape, &node.each_ref(), gated);
-        let inner = linear(tape, &z, p.get(self.inner.0), Some(p.get(self.inner.1)), gated);
-        let z = sum(tape, &[&z, &linear(tape, &inner, p.get(self.outer.0), Some(p.get(self.outer.1)), none)], none);
-        let pad = [apply(tape, &repeat(levels, pads), &code[1]), linear(tape, &at_pad, p.get(self.pad[1]), None, none)];
-        let y = sum(tape, &pad.each_ref(), gated);
-        let y = linear(tape, &y, p.get(self.middle.0), Some(p.get(self.middle.1)), gated);
+        let z = activate(node, None, gated);
+        let z = z.clone() + self.outer.apply(p, self.inner.activated(p, z, gated));
+        let pad = [apply(&repeat(levels, pads), code[1].clone()), self.pad[1].apply(p, at_pad)];
+        let y = self.middle.activated(p, activate(pad, None, gated), gated);
 
-        let head = |x: &Matrix<T>, layer: Layer, act| linear(tape, x, p.get(layer.0), Some(p.get(layer.1)), act);
+        let contact = self.contact.apply(p, z.clone()) + carried(inputs, loads);
+        let contact = balanced(share(contact, face), &loads.balance, inputs.signs());
+        let (given, bare) = linear_response(inputs, loads, contact.clone());
+        // Interpolates the depth channels of the face to all nodes of the pads.
         let channels = levels * pads * face * self.depths;
-        let contact = sum(tape, &[&head(&z, self.contact, none), &carried(inputs, loads)], none);
-        let contact = balanced(tape, &share(tape, &contact, face), &loads.balance, inputs.signs());
-        let (given, bare) = linear_response(tape, inputs, loads, &contact);
-        let channel = |layer: Layer, act| reshape(tape, &head(&z, layer, act), channels);
-        // Additive and multiplicative corrections of the linear response.
-        let beyond = apply(tape, &graph.interpolate_free, &channel(self.displacement, none));
-        let scale = apply(tape, &graph.interpolate, &channel(self.scale, none));
-        // Factor and offset of the stress are positive.
-        let factor = apply(tape, &graph.interpolate, &channel(self.factor, Activation::Positive));
-        let more = apply(tape, &graph.interpolate, &channel(self.stress, Activation::Positive));
+        let field = |map: &Arc<Sparse>, layer: Linear, act| {
+            let x = layer.activated(p, z.clone(), act);
+            let width = x.shape().1 / self.depths;
+            apply(map, x.reshape_like(&(channels, width)))
+        };
+        // Additive and multiplicative corrections of the linear response; factor and offset of the stress are positive.
+        let beyond = field(&graph.interpolate_free, self.displacement, Activation::None);
+        let scale = field(&graph.interpolate, self.scale, Activation::None);
+        let factor = field(&graph.interpolate, self.factor, Activation::Positive);
+        let more = field(&graph.interpolate, self.stress, Activation::Positive);
         NetworkOutput {
-            displacement: sum(tape, &[&beyond, &product(tape, &given, &scale)], none),
-            stress: sum(tape, &[&product(tape, &bare, &factor), &more], none),
+            displacement: given * scale + beyond,
+            stress: bare * factor + more,
             contact,
-            travel: head(&y, self.travel, none),
-            motion: head(&y, self.motion, none),
+            travel: self.travel.apply(p, y.clone()),
+            motion: self.motion.apply(p, y),
         }
     }
 }
 
 /// Computes the linear response of the pads to contact forces: displacement and von Mises stress, in the network's
 /// units.
-fn linear_response<T: Real>(
-    tape: &Tape<T>,
-    inputs: &Inputs,
+fn linear_response<E: Real, T: Tape<E>>(
+    inputs: &Inputs<T>,
     loads: &LoadFeatures,
-    contact: &Matrix<T>,
-) -> (Matrix<T>, Matrix<T>) {
+    contact: Matrix<E, T>,
+) -> (Matrix<E, T>, Matrix<E, T>) {
     let (f, norms) = (inputs.features, inputs.normalisers);
-    let pad = &f.graph.compliance;
+    let (pad, rows) = (&f.graph.compliance, loads.depth.len());
     let [x, y] = inputs.signs();
-    let diagonal = |v: &[f32]| Sparse::new(&(0..).zip(v).map(|(i, v)| vec![(i, *v)]).collect::<Vec<_>>(), v.len());
     // From (against the closing direction, x, y) to (x, y, z) of the pad without the mirror.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
-    let force = apply(tape, &turn, &reshape(tape, contact, 3 * contact.rows));
-    let force = reshape(tape, &force, loads.depth.len());
-    let scale: Vec<f32> = loads.scale(f).iter().map(|s| s / norms.stress).collect();
-    let moved = respond(tape, pad, &apply(tape, &diagonal(&scale), &force));
+    let components = contact.shape().0 * 3;
+    let force = apply(&turn, contact.reshape_like(&(components, 1))).reshape_like(&(rows, components / rows));
+    let scale = row(loads.scale(f).iter().map(|s| s / norms.stress));
+    let force = force * scale.broadcast_like::<_, Axis<1>>(&(rows, components / rows));
+    let moved = respond(pad, force);
     let unit = norms.stress / norms.displacement;
-    let given = displaced(tape, pad, &moved);
-    let mirrored = apply(tape, &diagonal(&[x * unit, y * unit, unit]), &reshape(tape, &given, 3 * given.rows));
+    let given = displaced(pad, moved.clone());
+    let shape = *given.shape();
+    let given = given * row([x * unit, y * unit, unit]).broadcast_like::<_, Axis<0>>(&shape);
     // The von Mises norm is invariant under mirrors.
-    (reshape(tape, &mirrored, given.rows), von_mises(tape, &deviatoric_stress(tape, pad, &moved)))
+    (given, von_mises(deviatoric_stress(pad, moved)))
 }
 
 /// Returns the projected contact on each node: the logarithm of its fraction of the force, and tangential over normal
 /// force.
-fn carried<T: Real>(inputs: &Inputs, loads: &LoadFeatures) -> Matrix<T> {
+fn carried<E: Real, T: Tape<E>>(inputs: &Inputs<T>, loads: &LoadFeatures) -> Matrix<E, T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
-    constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
+    inputs.constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
 }
 
 /// Fraction added to that of every node, so that the logarithm is finite for a node without force.
 pub const LITTLE: f32 = 1e-4;
 
 /// Repeats every row `times` times consecutively.
-fn spread<T: Real>(tape: &Tape<T>, x: &Matrix<T>, times: usize) -> Matrix<T> {
-    let map: Arc<Sparse> = Sparse::gather((0..x.rows).flat_map(|r| std::iter::repeat_n(r, times)), x.rows);
-    apply(tape, &map, x)
+fn spread<E: Real, T: Tape<E>>(x: Matrix<E, T>, times: usize) -> Matrix<E, T> {
+    let rows = x.shape().0;
+    let map: Arc<Sparse> = Sparse::gather((0..rows).flat_map(|r| std::iter::repeat_n(r, times)), rows);
+    apply(&map, x)
 }

@@ -5,6 +5,7 @@
 pub mod card;
 pub mod face;
 pub mod interval;
+pub mod layers;
 pub mod paper;
 pub mod parameters;
 pub mod shipped;
@@ -12,8 +13,7 @@ pub mod spec;
 
 use self::parameters::{ParameterBuilder, Parameters};
 use self::spec::NetworkSpec;
-use super::autodiff::real::Real;
-use super::autodiff::tape::{Matrix, Tape};
+use super::autodiff::tensor::{Matrix, NoneTape, Real, SharedTape, Tape, matrix};
 use super::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use super::features::normalise::MOST;
 use super::features::normalise::Normaliser;
@@ -21,6 +21,7 @@ use super::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE};
 use super::features::{self, GraspFeatures, VECTOR};
 use crate::linear_response::pad_graph::Layout;
 use crate::matrix::Sparse;
+use dfdx::prelude::PutTape;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -99,35 +100,39 @@ pub struct VolumeNormalisers {
     pub contact: Normaliser,
 }
 
-/// Inputs of a pass: features of a grasp and their normalisation.
-pub struct Inputs<'a> {
+/// Inputs of a pass: features of a grasp, their normalisation, and the tape that records the pass.
+pub struct Inputs<'a, T = NoneTape> {
     /// Features of the grasp.
     pub features: &'a GraspFeatures,
     /// Statistics of the training set.
     pub normalisers: &'a Normalisers,
     /// Flags: mirrored along x, and along y.
     pub mirror: (bool, bool),
+    /// Tape of the pass.
+    pub tape: T,
 }
 
-impl Inputs<'_> {
+impl<T> Inputs<'_, T> {
     /// Returns the signs of the x and y components of a vector under the mirror.
     pub(crate) fn signs(&self) -> [f32; 2] {
         [VECTOR[0], VECTOR[1]].map(|parity| parity.sign(self.mirror))
     }
 
-    pub(crate) fn matrix<T: Real>(
-        &self,
-        rows: &[f32],
-        normaliser: &Normaliser,
-        parity: &[features::Parity],
-    ) -> Matrix<T> {
-        constant(parity.len(), normaliser.apply(rows, parity, self.mirror))
+    /// Returns normalised features, (n, parity.len()).
+    pub(crate) fn matrix<E: Real>(&self, rows: &[f32], normaliser: &Normaliser, parity: &[features::Parity]) -> Matrix<E, T>
+    where
+        T: Tape<E>,
+    {
+        self.constant(parity.len(), normaliser.apply(rows, parity, self.mirror))
     }
-}
 
-/// Creates a constant matrix with `cols` columns.
-fn constant<T: Real>(cols: usize, rows: Vec<f32>) -> Matrix<T> {
-    Matrix::constant(rows.len() / cols, cols, rows.into_iter().map(T::of).collect())
+    /// Returns a constant matrix with `cols` columns.
+    fn constant<E: Real>(&self, cols: usize, rows: Vec<f32>) -> Matrix<E, T>
+    where
+        T: Tape<E>,
+    {
+        matrix(rows.len() / cols, cols, rows.into_iter().map(E::of).collect()).put_tape(self.tape.clone())
+    }
 }
 
 /// Returns the map from `rows` rows to `times` copies of all of them, one copy after the other.
@@ -138,41 +143,44 @@ fn repeat(times: usize, rows: usize) -> Arc<Sparse> {
 /// Prediction of a network at some load levels, in units of [`Normalisers`]; rows are ordered by level, then pad, then
 /// node.
 #[derive(Debug, Clone)]
-pub struct NetworkOutput<T: Real = f32> {
+pub struct NetworkOutput<E: Real = f32, T = NoneTape> {
     /// Displacement (levels * pads * nodes, 3).
-    pub displacement: Matrix<T>,
+    pub displacement: Matrix<E, T>,
     /// Stress (levels * pads * nodes, 1), non-negative.
-    pub stress: Matrix<T>,
+    pub stress: Matrix<E, T>,
     /// Contact force (levels * pads * face nodes, 3): fraction of the finger's force, and friction along x and y over
     /// that force.
-    pub contact: Matrix<T>,
+    pub contact: Matrix<E, T>,
     /// Travel (levels * pads, 1).
-    pub travel: Matrix<T>,
+    pub travel: Matrix<E, T>,
     /// Motion (levels * pads, 6): translation and rotation vector of the object in the frame of each pad.
-    pub motion: Matrix<T>,
+    pub motion: Matrix<E, T>,
 }
 
-/// Network with an encoder per grasp and a decoder per load.
-pub trait Network<T: Real = f32>: Send + Sync + std::fmt::Debug {
-    /// Returns the layout of the graph on which it passes messages.
-    fn layout(&self) -> Layout;
-    /// Encodes a grasp, once per grasp. Only [`Network::decode`] uses the result.
-    fn encode(&self, tape: &Tape<T>, parameters: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>>;
+/// Forward pass of a network: an encoder per grasp and a decoder per load. `T` is the tape that records it.
+pub trait Forward<E: Real = f32, T = NoneTape> {
+    /// Encodes a grasp, once per grasp. Only [`Forward::decode`] uses the result.
+    fn encode(&self, parameters: &Parameters<E>, inputs: &Inputs<T>) -> Vec<Matrix<E, T>>;
     /// Computes the outputs at some load levels.
     fn decode(
         &self,
-        tape: &Tape<T>,
-        parameters: &Parameters<T>,
-        inputs: &Inputs,
-        code: &[Matrix<T>],
+        parameters: &Parameters<E>,
+        inputs: &Inputs<T>,
+        code: &[Matrix<E, T>],
         loads: &LoadFeatures,
-    ) -> NetworkOutput<T>;
+    ) -> NetworkOutput<E, T>;
+}
+
+/// Network: its forward pass is recorded for training, and not for inference.
+pub trait Network<E: Real = f32>: Forward<E, NoneTape> + Forward<E, SharedTape<E>> + Send + Sync + std::fmt::Debug {
+    /// Returns the layout of the graph on which it passes messages.
+    fn layout(&self) -> Layout;
 }
 
 /// Builds the network of a description and its initial values; without a seed all weights are zero.
-pub fn build<T: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<T>>, Parameters<T>) {
+pub fn build<E: Real>(spec: &NetworkSpec, seed: Option<u64>) -> (Box<dyn Network<E>>, Parameters<E>) {
     let mut maker = ParameterBuilder::new(seed);
-    let network: Box<dyn Network<T>> = match spec {
+    let network: Box<dyn Network<E>> = match spec {
         NetworkSpec::Face(sizes) => Box::new(face::FaceNetwork::new(sizes, &mut maker)),
         NetworkSpec::Paper(sizes) => Box::new(paper::PaperNetwork::new(sizes, &mut maker)),
     };

@@ -11,67 +11,52 @@
 //! paper: travel and motion of the object come from a head on the mean of `h` near the contact, contact forces from a
 //! layer on the face.
 
-use super::{Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
-use crate::autodiff::ops::{Activation, apply, layer_norm, linear, reshape, share, sum};
-use crate::autodiff::real::Real;
-use crate::autodiff::tape::{Matrix, Tape};
+use super::layers::{Linear, Norm};
+use super::{Forward, Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
+use crate::autodiff::ops::{Activation, activate, apply, share};
+use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::pad_graph::Layout;
 use crate::network::parameters::{Id, ParameterBuilder, Parameters};
 use crate::network::spec::Paper;
-
-/// Weights and bias of a layer.
-#[derive(Debug, Clone, Copy)]
-struct Layer(Id, Id);
-
-impl Layer {
-    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, rows: usize, cols: usize, gain: f64) -> Self {
-        let weight = maker.weight(&format!("{name}.weight"), rows, cols, gain);
-        Self(weight, maker.row(&format!("{name}.bias"), cols, 0.0))
-    }
-
-    fn apply<T: Real>(self, tape: &Tape<T>, p: &Parameters<T>, x: &Matrix<T>, act: Activation) -> Matrix<T> {
-        linear(tape, x, p.get(self.0), Some(p.get(self.1)), act)
-    }
-}
+use dfdx::prelude::{HasShape, ReshapeTo};
 
 /// Two hidden layers and a LayerNorm. The first layer has separate weights per input, so that products instead of
 /// inputs are gathered at the edges.
 #[derive(Debug)]
 struct Mlp {
-    inputs: Vec<Id>,
+    inputs: Vec<Linear>,
     bias: Id,
-    hidden: Layer,
-    out: Layer,
-    norm: (Id, Id),
+    hidden: Linear,
+    out: Linear,
+    norm: Norm,
 }
 
 impl Mlp {
-    fn new<T: Real>(maker: &mut ParameterBuilder<T>, name: &str, inputs: &[usize], h: usize) -> Self {
+    fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, inputs: &[usize], h: usize) -> Self {
         let gain = 2.0 / inputs.len() as f64;
-        let first = |(i, n): (usize, &usize)| (format!("{name}.input{i}"), *n);
+        let first = inputs.iter().enumerate();
         Self {
-            inputs: inputs.iter().enumerate().map(first).map(|(name, n)| maker.weight(&name, n, h, gain)).collect(),
+            inputs: first.map(|(i, n)| Linear::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)).collect(),
             bias: maker.row(&format!("{name}.bias"), h, 0.0),
-            hidden: Layer::new(maker, &format!("{name}.hidden"), h, h, 2.0),
-            out: Layer::new(maker, &format!("{name}.out"), h, h, 1.0),
-            norm: (maker.row(&format!("{name}.gain"), h, 1.0), maker.row(&format!("{name}.shift"), h, 0.0)),
+            hidden: Linear::new(maker, &format!("{name}.hidden"), (h, h), 2.0, 0.0),
+            out: Linear::new(maker, &format!("{name}.out"), (h, h), 1.0, 0.0),
+            norm: Norm::new(maker, name, h),
         }
     }
 
-    /// Computes the contribution of input `i` to the first layer.
-    fn input<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, i: usize, x: &Matrix<T>) -> Matrix<T> {
-        linear(tape, x, p.get(self.inputs[i]), (i == 0).then(|| p.get(self.bias)), Activation::None)
+    /// Computes the output from the contributions of all inputs to the first layer.
+    fn finish<E: Real, T: Tape<E>, const N: usize>(&self, p: &Parameters<E>, terms: [Matrix<E, T>; N]) -> Matrix<E, T> {
+        let x = activate(terms, Some(p.get(self.bias)), Activation::Relu);
+        let x = self.hidden.activated(p, x, Activation::Relu);
+        self.norm.apply(p, self.out.apply(p, x))
     }
 
-    /// Computes the output from the contributions of all inputs.
-    fn finish<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, terms: &[&Matrix<T>]) -> Matrix<T> {
-        let x = sum(tape, terms, Activation::Relu);
-        let x = self.hidden.apply(tape, p, &x, Activation::Relu);
-        let x = self.out.apply(tape, p, &x, Activation::None);
-        layer_norm(tape, &x, p.get(self.norm.0), p.get(self.norm.1))
+    /// Computes the output for a single input.
+    fn apply<E: Real, T: Tape<E>>(&self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
+        self.finish(p, [self.inputs[0].apply(p, x)])
     }
 }
 
@@ -83,17 +68,17 @@ pub struct PaperNetwork {
     messages: [Mlp; 2],
     update: Mlp,
     decode: Mlp,
-    displacement: Layer,
-    stress: Layer,
-    contact: Layer,
+    displacement: Linear,
+    stress: Linear,
+    contact: Linear,
     pooled: Mlp,
-    travel: Layer,
-    motion: Layer,
+    travel: Linear,
+    motion: Linear,
 }
 
 impl PaperNetwork {
     /// Creates the network with initial values from `maker`.
-    pub fn new<T: Real>(sizes: &Paper, maker: &mut ParameterBuilder<T>) -> Self {
+    pub fn new<E: Real>(sizes: &Paper, maker: &mut ParameterBuilder<E>) -> Self {
         let h = sizes.latent.get();
         let inputs = [("node", VOLUME_NODE.len()), ("mesh", MESH_EDGE.len()), ("contact", CONTACT_EDGE.len())];
         Self {
@@ -102,91 +87,83 @@ impl PaperNetwork {
             messages: ["mesh", "contact"].map(|name| Mlp::new(maker, &format!("block.{name}"), &[h; 3], h)),
             update: Mlp::new(maker, "block.node", &[h; 3], h),
             decode: Mlp::new(maker, "decode", &[h], h),
-            displacement: Layer::new(maker, "displacement", h, 3, 0.1),
+            displacement: Linear::new(maker, "displacement", (h, 3), 0.1, 0.0),
             // Stress is positive almost everywhere: a positive initial bias keeps its ReLU active.
-            stress: Layer(maker.weight("stress.weight", h, 1, 0.1), maker.row("stress.bias", 1, 1.0)),
-            contact: Layer::new(maker, "contact", h, 3, 0.1),
+            stress: Linear::new(maker, "stress", (h, 1), 0.1, 1.0),
+            contact: Linear::new(maker, "contact", (h, 3), 0.1, 0.0),
             pooled: Mlp::new(maker, "pooled", &[h], h),
-            travel: Layer::new(maker, "travel", h, 1, 0.1),
-            motion: Layer::new(maker, "motion", h, 6, 0.1),
+            travel: Linear::new(maker, "travel", (h, 1), 0.1, 0.0),
+            motion: Linear::new(maker, "motion", (h, 6), 0.1, 0.0),
         }
     }
 
-    fn whole<T: Real>(&self, tape: &Tape<T>, p: &Parameters<T>, mlp: &Mlp, x: &Matrix<T>) -> Matrix<T> {
-        mlp.finish(tape, p, &[&mlp.input(tape, p, 0, x)])
-    }
-
-    /// Computes the messages along `edges` with the state `e`.
-    fn pass<T: Real>(
-        tape: &Tape<T>,
-        p: &Parameters<T>,
+    /// Computes the new state of `edges` from their state e and that of the nodes.
+    fn pass<E: Real, T: Tape<E>>(
+        p: &Parameters<E>,
         mlp: &Mlp,
         edges: &Edges,
-        e: &Matrix<T>,
-        h: &Matrix<T>,
-    ) -> Matrix<T> {
-        let from = apply(tape, &edges.senders, &mlp.input(tape, p, 1, h));
-        let to = apply(tape, &edges.receivers, &mlp.input(tape, p, 2, h));
-        let new = mlp.finish(tape, p, &[&mlp.input(tape, p, 0, e), &from, &to]);
-        sum(tape, &[e, &new], Activation::None)
+        e: Matrix<E, T>,
+        h: &Matrix<E, T>,
+    ) -> Matrix<E, T> {
+        let from = apply(&edges.senders, mlp.inputs[1].apply(p, h.clone()));
+        let to = apply(&edges.receivers, mlp.inputs[2].apply(p, h.clone()));
+        let new = mlp.finish(p, [mlp.inputs[0].apply(p, e.clone()), from, to]);
+        activate([e, new], None, Activation::None)
     }
 }
 
 /// Returns the graph of the full pads and its statistics, which always exist for this network.
-fn seen<'a>(inputs: &'a Inputs) -> (&'a Volume, &'a VolumeNormalisers) {
+fn seen<'a, T>(inputs: &'a Inputs<T>) -> (&'a Volume, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
     volume.zip(inputs.normalisers.volume.as_ref()).expect("features are made for the layout of the network")
 }
 
-impl<T: Real> Network<T> for PaperNetwork {
+impl<E: Real> Network<E> for PaperNetwork {
     fn layout(&self) -> Layout {
         Layout::Volume
     }
+}
 
-    fn encode(&self, tape: &Tape<T>, p: &Parameters<T>, inputs: &Inputs) -> Vec<Matrix<T>> {
+impl<E: Real, T: Tape<E>> Forward<E, T> for PaperNetwork {
+    fn encode(&self, p: &Parameters<E>, inputs: &Inputs<T>) -> Vec<Matrix<E, T>> {
         let (volume, norms) = seen(inputs);
         let node = inputs.matrix(&volume.node, &norms.node, &VOLUME_NODE);
         let mesh = inputs.matrix(&volume.mesh_edge, &norms.mesh, &MESH_EDGE);
-        vec![self.whole(tape, p, &self.encode[0], &node), self.whole(tape, p, &self.encode[1], &mesh)]
+        vec![self.encode[0].apply(p, node), self.encode[1].apply(p, mesh)]
     }
 
     fn decode(
         &self,
-        tape: &Tape<T>,
-        p: &Parameters<T>,
-        inputs: &Inputs,
-        code: &[Matrix<T>],
+        p: &Parameters<E>,
+        inputs: &Inputs<T>,
+        code: &[Matrix<E, T>],
         loads: &LoadFeatures,
-    ) -> NetworkOutput<T> {
+    ) -> NetworkOutput<E, T> {
         let ((volume, norms), f) = (seen(inputs), inputs.features);
         let levels = loads.load.len();
         let contact: Vec<f32> = loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
-        let contact = inputs.matrix(&contact, &norms.contact, &CONTACT_EDGE);
-        let mut c = self.whole(tape, p, &self.encode[2], &contact);
-        let [mut h, mut e] = [0, 1].map(|k| apply(tape, &repeat(levels, code[k].rows), &code[k]));
+        let mut c = self.encode[2].apply(p, inputs.matrix(&contact, &norms.contact, &CONTACT_EDGE));
+        let [mut h, mut e] = [0, 1].map(|k| apply(&repeat(levels, code[k].shape().0), code[k].clone()));
         for _ in 0..self.rounds {
-            e = Self::pass(tape, p, &self.messages[0], &volume.mesh, &e, &h);
-            c = Self::pass(tape, p, &self.messages[1], &volume.contact, &c, &h);
-            let terms = [
-                self.update.input(tape, p, 0, &h),
-                self.update.input(tape, p, 1, &apply(tape, &volume.mesh.gather, &e)),
-                self.update.input(tape, p, 2, &apply(tape, &volume.contact.gather, &c)),
-            ];
-            h = sum(tape, &[&h, &self.update.finish(tape, p, &terms.each_ref())], Activation::None);
+            e = Self::pass(p, &self.messages[0], &volume.mesh, e, &h);
+            c = Self::pass(p, &self.messages[1], &volume.contact, c, &h);
+            let states = [h.clone(), apply(&volume.mesh.gather, e.clone()), apply(&volume.contact.gather, c.clone())];
+            let mut inputs = self.update.inputs.iter();
+            let terms = states.map(|x| inputs.next().expect("one layer to each input").apply(p, x));
+            h = activate([h, self.update.finish(p, terms)], None, Activation::None);
         }
-        let z = self.whole(tape, p, &self.decode, &h);
-        let face = apply(tape, &volume.face, &z);
-        let pooled = self.whole(tape, p, &self.pooled, &apply(tape, &f.near, &face));
-        let none = Activation::None;
-        let displacement = self.displacement.apply(tape, p, &z, none);
-        let components = apply(tape, &volume.turned, &reshape(tape, &displacement, 3 * z.rows));
-        let rows = components.rows / 3;
+        let z = self.decode.apply(p, h);
+        let face = apply(&volume.face, z.clone());
+        let pooled = self.pooled.apply(p, apply(&f.near, face.clone()));
+        let (displacement, rows) = (self.displacement.apply(p, z.clone()), 3 * z.shape().0);
+        let components = apply(&volume.turned, displacement.reshape_like(&(rows, 1)));
+        let rows = components.shape().0 / 3;
         NetworkOutput {
-            displacement: reshape(tape, &components, rows),
-            stress: apply(tape, &volume.pads, &self.stress.apply(tape, p, &z, Activation::Relu)),
-            contact: share(tape, &self.contact.apply(tape, p, &face, none), f.graph.face.len()),
-            travel: self.travel.apply(tape, p, &pooled, none),
-            motion: self.motion.apply(tape, p, &pooled, none),
+            displacement: components.reshape_like(&(rows, 3)),
+            stress: apply(&volume.pads, self.stress.activated(p, z, Activation::Relu)),
+            contact: share(self.contact.apply(p, face), f.graph.face.len()),
+            travel: self.travel.apply(p, pooled.clone()),
+            motion: self.motion.apply(p, pooled),
         }
     }
 }

@@ -1,18 +1,19 @@
 //! Parameters of a network: named matrices in a fixed order, their initial values, and their file.
 
-use crate::autodiff::real::Real;
-use crate::autodiff::tape::Matrix;
+use crate::autodiff::tensor::{Matrix, Real, matrix, values};
+use crate::matrix::product::Packed;
 use base::error::{Error, Result};
 use base::random::Random;
+use dfdx::prelude::{HasShape, Shape};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::path::Path;
 
 /// Named matrices, in the order in which the network created them.
 #[derive(Debug, Clone)]
-pub struct Parameters<T: Real = f32> {
+pub struct Parameters<E: Real = f32> {
     names: Vec<String>,
     /// Matrices of the parameters.
-    pub matrices: Vec<Matrix<T>>,
+    pub matrices: Vec<Matrix<E>>,
 }
 
 /// Index of a parameter.
@@ -21,21 +22,21 @@ pub struct Id(usize);
 
 /// Builder of the parameters of a network, with random initial values.
 #[derive(Debug)]
-pub struct ParameterBuilder<T: Real = f32> {
+pub struct ParameterBuilder<E: Real = f32> {
     random: Option<Random>,
-    parameters: Parameters<T>,
+    parameters: Parameters<E>,
 }
 
-impl<T: Real> ParameterBuilder<T> {
+impl<E: Real> ParameterBuilder<E> {
     /// Creates a builder. Equal seeds yield equal parameters; without a seed weights are zero, to be loaded from a
     /// file.
     pub fn new(seed: Option<u64>) -> Self {
         Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
 
-    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<T>) -> Id {
+    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<E>) -> Id {
         self.parameters.names.push(name);
-        self.parameters.matrices.push(Matrix::parameter(rows, cols, value));
+        self.parameters.matrices.push(matrix(rows, cols, value));
         Id(self.parameters.matrices.len() - 1)
     }
 
@@ -43,24 +44,24 @@ impl<T: Real> ParameterBuilder<T> {
     pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
         let limit = (3.0 * gain / rows as f64).sqrt();
         let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
-        let value = (0..rows * cols).map(|_| T::nearest(one() * limit)).collect();
+        let value = (0..rows * cols).map(|_| E::of((one() * limit) as f32)).collect();
         self.add(name.into(), rows, cols, value)
     }
 
     /// Adds a row of equal values.
     pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
-        self.add(name.into(), 1, cols, vec![T::of(value); cols])
+        self.add(name.into(), 1, cols, vec![E::of(value); cols])
     }
 
     /// Returns all parameters.
-    pub fn finish(self) -> Parameters<T> {
+    pub fn finish(self) -> Parameters<E> {
         self.parameters
     }
 }
 
-impl<T: Real> Parameters<T> {
+impl<E: Real> Parameters<E> {
     /// Returns the matrix `id`.
-    pub fn get(&self, id: Id) -> &Matrix<T> {
+    pub fn get(&self, id: Id) -> &Matrix<E> {
         &self.matrices[id.0]
     }
 
@@ -68,9 +69,17 @@ impl<T: Real> Parameters<T> {
     ///
     /// # Panics
     /// Panics if there is no such parameter.
-    pub fn named(&self, name: &str) -> &Matrix<T> {
+    fn named(&self, name: &str) -> &Matrix<E> {
         let at = self.names.iter().position(|n| n == name);
         &self.matrices[at.unwrap_or_else(|| panic!("the network has no parameter `{name}`"))]
+    }
+
+    /// Returns a copy of the entries of the matrix with this name, row-major.
+    ///
+    /// # Panics
+    /// Panics if there is no such parameter.
+    pub fn entries(&self, name: &str) -> Vec<E> {
+        values(self.named(name))
     }
 
     /// Returns the names, in the order of the matrices.
@@ -80,11 +89,19 @@ impl<T: Real> Parameters<T> {
 
     /// Returns the number of values in all matrices.
     pub fn count(&self) -> usize {
-        self.matrices.iter().map(|m| m.value().len()).sum()
+        self.matrices.iter().map(|m| m.shape().num_elements()).sum()
     }
 }
 
 impl Parameters {
+    /// Returns the matrix with this name, packed for products.
+    ///
+    /// # Panics
+    /// Panics if there is no such parameter.
+    pub fn packed(&self, name: &str) -> Packed {
+        Packed::new(&self.entries(name), self.named(name).shape().1)
+    }
+
     /// Returns the content of a safetensors file: f32, row-major, (rows, cols).
     ///
     /// # Errors
@@ -92,9 +109,9 @@ impl Parameters {
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let fail = |e: safetensors::SafeTensorError| Error::Solver(format!("the weights cannot be written: {e}"));
         let bytes: Vec<Vec<u8>> =
-            self.matrices.iter().map(|m| m.value().iter().flat_map(|v| v.to_le_bytes()).collect()).collect();
+            self.matrices.iter().map(|m| values(m).iter().flat_map(|v| v.to_le_bytes()).collect()).collect();
         let views = self.names.iter().zip(&self.matrices).zip(&bytes).map(|((name, m), bytes)| {
-            TensorView::new(Dtype::F32, vec![m.rows, m.cols], bytes).map(|view| (name.clone(), view))
+            TensorView::new(Dtype::F32, vec![m.shape().0, m.shape().1], bytes).map(|view| (name.clone(), view))
         });
         let views = views.collect::<std::result::Result<Vec<_>, _>>().map_err(fail)?;
         serialize(views, None).map_err(fail)
@@ -113,15 +130,15 @@ impl Parameters {
         }
         for (name, matrix) in self.names.iter().zip(&mut self.matrices) {
             let view = file.tensor(name).map_err(|_| fail(format!("has no tensor `{name}`")))?;
-            if view.dtype() != Dtype::F32 || view.shape() != [matrix.rows, matrix.cols] {
-                let shape = (matrix.rows, matrix.cols);
+            let shape = *matrix.shape();
+            if view.dtype() != Dtype::F32 || view.shape() != [shape.0, shape.1] {
                 return Err(fail(format!("`{name}` is {:?} {:?}, not F32 {shape:?}", view.dtype(), view.shape())));
             }
             let value: Vec<f32> = view.data().as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
             if let Some(bad) = value.iter().find(|v| !v.is_finite()) {
                 return Err(fail(format!("`{name}` holds {bad}; weights must be finite")));
             }
-            *matrix.value_mut() = value;
+            matrix.copy_from(&value);
         }
         Ok(())
     }

@@ -2,8 +2,11 @@
 
 use super::TrainingState;
 use super::curves::Epoch;
+use crate::autodiff::tensor::values;
+use crate::network::parameters::Parameters;
 use base::error::{Error, Result};
 use base::files::atomic::write_durable;
+use dfdx::prelude::{HasShape, Shape};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -20,6 +23,11 @@ struct Header {
     lengths: Vec<usize>,
 }
 
+/// Returns the number of values of each parameter.
+fn lengths(parameters: &Parameters) -> Vec<usize> {
+    parameters.matrices.iter().map(|m| m.shape().num_elements()).collect()
+}
+
 fn path(dir: &Path) -> PathBuf {
     dir.join(CHECKPOINT)
 }
@@ -34,12 +42,12 @@ pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
         plan: plan.into(),
         step: state.adam.step,
         epochs: state.epochs.clone(),
-        lengths: state.parameters.matrices.iter().map(|m| m.value().len()).collect(),
+        lengths: lengths(&state.parameters),
     };
     let mut bytes = ron::to_string(&header).map_err(|e| Error::file(path(dir), e.to_string()))?.into_bytes();
     bytes.push(b'\n');
-    let weights = [&state.parameters, &state.best].into_iter().flat_map(|p| &p.matrices).map(|m| m.value());
-    let moments = [&state.adam.first, &state.adam.second].into_iter().flatten().map(Vec::as_slice);
+    let weights = [&state.parameters, &state.best].into_iter().flat_map(|p| &p.matrices).map(values);
+    let moments = [&state.adam.first, &state.adam.second].into_iter().flatten().map(|m| m.to_vec());
     weights.chain(moments).flatten().for_each(|v| bytes.extend(v.to_le_bytes()));
     bytes.extend(blake3::hash(&bytes).as_bytes());
     write_durable(&path(dir), &bytes)
@@ -78,7 +86,7 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
     if header.plan != plan {
         return Err(fail("is of another training (data, split, model file or version differ); choose another folder"));
     }
-    let lengths: Vec<usize> = like.parameters.matrices.iter().map(|m| m.value().len()).collect();
+    let lengths = lengths(&like.parameters);
     let numbers: Vec<f32> = body[end + 1..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
     let total: usize = lengths.iter().sum();
     if header.lengths != lengths || numbers.len() != 4 * total {
@@ -89,13 +97,13 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
     let mut next = |n: usize| {
         let (own, tail) = rest.split_at(n);
         rest = tail;
-        own.to_vec()
+        own
     };
     for parameters in [&mut state.parameters, &mut state.best] {
-        parameters.matrices.iter_mut().for_each(|m| *m.value_mut() = next(m.value().len()));
+        parameters.matrices.iter_mut().zip(&lengths).for_each(|(m, n)| m.copy_from(next(*n)));
     }
     for moments in [&mut state.adam.first, &mut state.adam.second] {
-        moments.iter_mut().for_each(|m| *m = next(m.len()));
+        moments.iter_mut().zip(&lengths).for_each(|(m, n)| m.copy_from_slice(next(*n)));
     }
     (state.adam.step, state.epochs) = (header.step, header.epochs);
     Ok(Left::State(Box::new(state)))

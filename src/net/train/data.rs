@@ -1,7 +1,5 @@
 //! Training data: grasps of a data set, their statistics and range, and the held-out validation grasps.
 
-use crate::autodiff::ops::{displaced, respond};
-use crate::autodiff::tape::{Matrix, Tape};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
@@ -203,14 +201,13 @@ fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
     let (mut count, mut square) = (0.0, 0.0);
     for (s, l) in samples.iter().zip(loads) {
         let (graph, width) = (&s.features.graph, s.displacement.len() / l.depth.len());
-        let force = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
-        let force = Matrix::constant(l.depth.len(), 3 * graph.face.len(), force);
+        let force: Vec<f32> = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         // A network of the full pads predicts the total displacement.
-        let (pad, tape) = (&graph.compliance, Tape::silent());
-        let given =
-            matches!(graph.layout, Layout::Face { .. }).then(|| displaced(&tape, pad, &respond(&tape, pad, &force)));
+        let pad = &graph.compliance;
+        let given = matches!(graph.layout, Layout::Face { .. })
+            .then(|| pad.scatter.times(&pad.displacements(&force), 3));
         for (i, u) in s.displacement.iter().enumerate() {
-            let given = given.as_ref().map_or(0.0, |g| f64::from(g.value()[i]) * graph.thickness);
+            let given = given.as_ref().map_or(0.0, |g| f64::from(g[i]) * graph.thickness);
             square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);
             count += 1.0;
         }

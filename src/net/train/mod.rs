@@ -9,12 +9,13 @@ mod checkpoint;
 pub mod curves;
 pub mod data;
 pub mod frame_error;
+pub mod loss;
 pub mod sample;
 
 use self::frame_error::frame_error;
+use self::loss::Scalar;
 use self::sample::Sample;
-use super::autodiff::real::Real;
-use super::autodiff::tape::Tape;
+use super::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, Values, gradients};
 use super::features::VERSION;
 use super::features::range::TrainedRange;
 use super::infer::predict::Predictor;
@@ -22,7 +23,7 @@ use super::network::card::{CARD, Card};
 use super::network::interval::{ErrorIndicators, Interval, Kept};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
-use super::network::{Inputs, Network, Normalisers, build};
+use super::network::{Forward, Inputs, Network, Normalisers, build};
 use crate::linear_response::known_pads::PadGraphs;
 use adam::Adam;
 use base::error::{Error, Result};
@@ -32,6 +33,7 @@ use base::random::Random;
 use checkpoint::Left;
 use curves::Epoch;
 use dataset::DataSet;
+use dfdx::prelude::AsArray;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -175,13 +177,13 @@ impl Trainer {
         let mut total = 0.0;
         for (k, batch) in order.chunks(training.batch.get()).enumerate() {
             // In the order of the batch, independent of the scheduling of threads.
-            let parts: Vec<(f64, Vec<Vec<f32>>)> = batch
+            let parts: Vec<(f64, Vec<Values<f32>>)> = batch
                 .par_iter()
                 .map(|&i| interrupt::check().map(|()| self.gradient(&state.parameters, i, number)))
                 .collect::<Result<_>>()?;
             let loss = parts.iter().map(|p| p.0).sum::<f64>() / batch.len() as f64;
-            let mut gradients = parts.into_iter().map(|p| p.1).reduce(add).unwrap_or_default();
-            let square = gradients.iter().flatten().map(|g| f64::from(*g).powi(2)).sum::<f64>();
+            let mut gradients: Vec<Values<f32>> = parts.into_iter().map(|p| p.1).reduce(add).unwrap_or_default();
+            let square = gradients.iter().flat_map(|g| g.iter()).map(|g| f64::from(*g).powi(2)).sum::<f64>();
             let norm = square.sqrt() / batch.len() as f64;
             if !loss.is_finite() || !norm.is_finite() {
                 let kept = self.state.epochs.len();
@@ -191,7 +193,7 @@ impl Trainer {
                 )));
             }
             let scale = ((training.clip.get() / norm).min(1.0) / batch.len() as f64) as f32;
-            gradients.iter_mut().flatten().for_each(|g| *g *= scale);
+            gradients.iter_mut().flat_map(|g| g.iter_mut()).for_each(|g| *g *= scale);
             let rate = schedule(&training, number * batches + k, batches);
             state.adam.update(&mut state.parameters, &gradients, rate);
             total += loss * batch.len() as f64;
@@ -214,7 +216,7 @@ impl Trainer {
     }
 
     /// Computes the loss of training grasp `i`, and its gradient.
-    fn gradient(&self, parameters: &Parameters, i: usize, epoch: usize) -> (f64, Vec<Vec<f32>>) {
+    fn gradient(&self, parameters: &Parameters, i: usize, epoch: usize) -> (f64, Vec<Values<f32>>) {
         let training = &self.card.spec.training;
         let mut random = Random::new(key(training.seed, epoch, i));
         let sample = &self.samples[i];
@@ -224,17 +226,14 @@ impl Trainer {
         levels.sort_unstable();
         let mut coin = || training.mirror && random.below(2) == 1;
         let mirror = (coin(), coin());
-        let tape = Tape::recording();
-        let loss = pass(
-            &tape,
-            self.network.as_ref(),
-            parameters,
-            &self.card.normalisers,
-            training,
-            &sample.levels(&levels),
+        let inputs = Inputs {
+            features: &sample.features,
+            normalisers: &self.card.normalisers,
             mirror,
-        );
-        (f64::from(loss.value()[0]), tape.backward(&loss, &parameters.matrices))
+            tape: SharedTape::default(),
+        };
+        let loss = pass(self.network.as_ref(), parameters, &inputs, training, &sample.levels(&levels));
+        (f64::from(loss.array()), gradients(loss, &parameters.matrices))
     }
 
     /// Fits the prediction interval of the best weights to the grasps held out from the training.
@@ -264,20 +263,17 @@ impl Trainer {
     }
 }
 
-/// Computes the loss of a sample on `tape`.
-pub fn pass<T: Real>(
-    tape: &Tape<T>,
-    network: &dyn Network<T>,
-    parameters: &Parameters<T>,
-    normalisers: &Normalisers,
+/// Computes the loss of a sample whose features are those of `inputs`.
+pub fn pass<E: Real, T: Tape<E>>(
+    network: &(impl Forward<E, T> + ?Sized),
+    parameters: &Parameters<E>,
+    inputs: &Inputs<T>,
     training: &Training,
     sample: &Sample,
-    mirror: (bool, bool),
-) -> super::autodiff::tape::Matrix<T> {
-    let inputs = Inputs { features: &sample.features, normalisers, mirror };
-    let code = network.encode(tape, parameters, &inputs);
-    let out = network.decode(tape, parameters, &inputs, &code, &sample.loads);
-    sample.loss(tape, &out, normalisers, mirror, &training.weights)
+) -> Scalar<E, T> {
+    let code = network.encode(parameters, inputs);
+    let output = network.decode(parameters, inputs, &code, &sample.loads);
+    sample.loss(output, inputs.normalisers, inputs.mirror, &training.weights)
 }
 
 /// Computes the mean loss over all levels of `samples`, without mirrors.
@@ -293,7 +289,8 @@ pub fn loss(
         if interrupt::requested() {
             return f64::NAN;
         }
-        f64::from(pass(&Tape::silent(), network, parameters, normalisers, training, s, (false, false)).value()[0])
+        let inputs = Inputs { features: &s.features, normalisers, mirror: (false, false), tape: NoneTape };
+        f64::from(pass(network, parameters, &inputs, training, s).array())
     };
     let losses: Vec<f64> = samples.par_iter().map(of).collect();
     losses.iter().sum::<f64>() / losses.len().max(1) as f64
@@ -313,9 +310,8 @@ fn key(seed: u64, epoch: usize, grasp: usize) -> u64 {
     random.bits() ^ Random::new(grasp as u64).bits()
 }
 
-fn add(mut a: Vec<Vec<f32>>, b: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
-    let pairs = a.iter_mut().flatten().zip(b.iter().flatten());
-    pairs.for_each(|(a, b)| *a += b);
+fn add(mut a: Vec<Values<f32>>, b: Vec<Values<f32>>) -> Vec<Values<f32>> {
+    a.iter_mut().zip(&b).for_each(|(a, b)| a.iter_mut().zip(b.iter()).for_each(|(a, b)| *a += *b));
     a
 }
 

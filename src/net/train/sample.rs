@@ -1,8 +1,7 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use crate::autodiff::ops::{product, root_error};
-use crate::autodiff::real::Real;
-use crate::autodiff::tape::{Matrix, Tape};
+use super::loss::{Scalar, root_error};
+use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
@@ -150,18 +149,17 @@ impl Sample {
         }
     }
 
-    /// Computes the loss of `output`, 1 x 1: relative errors (L2) of each level in a bounded form ([`root_error`]),
-    /// averaged over the levels, weighted and added.
+    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form ([`root_error`]), averaged
+    /// over the levels, weighted and added.
     ///
     /// Travel and motion are in the units of [`Normalisers`].
-    pub fn loss<T: Real>(
+    pub fn loss<E: Real, T: Tape<E>>(
         &self,
-        tape: &Tape<T>,
-        output: &NetworkOutput<T>,
+        output: NetworkOutput<E, T>,
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],
-    ) -> Matrix<T> {
+    ) -> Scalar<E, T> {
         let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
         let depth = &loads.depth;
         let t = self.features.graph.thickness;
@@ -210,16 +208,13 @@ impl Sample {
             })
             .collect();
         let motion_rows = vec![each / 6.0; levels * pads];
-        let part = |x: &Matrix<T>, target: &[f32], rows: &[f32], weight: f32| {
-            product(tape, &root_error(tape, x, target, rows, levels), &Matrix::constant(1, 1, vec![T::of(weight)]))
+        let part = |x: Matrix<E, T>, target: Vec<f32>, rows: Vec<f32>, weight: f32| {
+            root_error(x, target, rows, levels) * E::of(weight)
         };
-        let parts = [
-            part(&output.displacement, &u, &u_rows, 1.0),
-            part(&output.stress, &s, &s_rows, weights[0]),
-            part(&output.contact, &c, &c_rows, weights[1]),
-            part(&output.travel, &travel, &travel_rows, weights[2]),
-            part(&output.motion, &motion, &motion_rows, weights[3]),
-        ];
-        crate::autodiff::ops::sum(tape, &parts.each_ref(), crate::autodiff::ops::Activation::None)
+        part(output.displacement, u, u_rows, 1.0)
+            + part(output.stress, s, s_rows, weights[0])
+            + part(output.contact, c, c_rows, weights[1])
+            + part(output.travel, travel, travel_rows, weights[2])
+            + part(output.motion, motion, motion_rows, weights[3])
     }
 }

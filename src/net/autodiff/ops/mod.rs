@@ -1,18 +1,16 @@
-//! Operations of the network, one per file, each with its forward and its backward kernel.
+//! Operations that dfdx lacks or runs several times slower, one per file, each with its forward and its backward kernel.
 
+mod activation;
 mod balance;
-mod linear;
 mod norm;
-mod pointwise;
 mod response;
 mod share;
 mod sparse;
 mod von_mises;
 
+pub use activation::{Activation, activate};
 pub use balance::balanced;
-pub use linear::linear;
 pub use norm::layer_norm;
-pub use pointwise::{Activation, product, reshape, root_error, sum};
 pub use response::{deviatoric_stress, displaced, respond};
 pub use share::share;
 pub use sparse::apply;

@@ -1,231 +1,46 @@
-//! Linear response of a pad on a tape: displacement of its nodes under forces on its face, and the stress of this
-//! displacement.
-//!
-//! The compliance matrix is far larger than the caches, so each reading of it serves [`LANES`] loads at once. Stress is
-//! local: it depends on the displacement of the neighbours of a node.
+//! Linear response of a pad: displacement of its nodes under forces on its face, and the stress of this displacement.
 
-use crate::autodiff::real::Real;
-use crate::autodiff::tape::{Matrix, Tape};
+use super::apply;
+use crate::autodiff::tensor::{Matrix, Real, Tape, record, values};
 use crate::linear_response::compliance::Compliance;
-use crate::linear_response::deviator::PARTS;
-use pulp::{Arch, Simd, WithSimd};
+use dfdx::prelude::{HasShape, ReshapeTo, SplitTape};
 use std::sync::Arc;
 
-/// Number of loads per reading of the matrix.
-const LANES: usize = 8;
-/// Number of rows of the matrix per reading of the gradient of the forces.
-const ROWS: usize = 12;
-/// One number for each of these loads.
-type Lanes<T> = [T; LANES];
+/// Linear map of rows: (rows, columns of the input) to (rows, columns of the result).
+type Map<E> = fn(&Compliance, &[E]) -> Vec<E>;
 
-/// Computes the displacement of the free (not bonded) nodes (n, moving nodes * 3), in the order of their slots, from
-/// forces (n, forces).
-pub fn respond<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, force: &Matrix<T>) -> Matrix<T> {
-    let (n, k, m) = (force.rows, pad.forces, pad.moving());
-    let (x, mut y) = (interleaved(force.value(), k), zeros(n, m));
-    Arch::new().dispatch(Times { pad, x: &x, y: &mut y });
-    let y = one_by_one(&y, m, n);
-    let (pad, input) = (pad.clone(), force.clone());
-    tape.result(&[force], (n, m), y, move |grads, out| {
-        let (dy, mut sum) = (interleaved(&out, m), zeros(n, k));
-        Arch::new().dispatch(TimesTransposed { pad: &pad, y: &dy, x: &mut sum });
-        grads.add(&input, one_by_one(&sum, k, n));
+/// Applies `map` to the rows of x; `transpose` is its transpose. The result has `rows` rows.
+fn mapped<E: Real, T: Tape<E>>(
+    pad: &Arc<Compliance>,
+    x: Matrix<E, T>,
+    rows: usize,
+    [map, transpose]: [Map<E>; 2],
+) -> Matrix<E, T> {
+    let y = map(pad, &values(&x));
+    let ((x, tape), pad) = (x.split_tape(), pad.clone());
+    let cols = y.len() / rows.max(1);
+    record(tape, (rows, cols), y, move |grads, dy| {
+        let back = transpose(&pad, dy);
+        grads.of(&x).iter_mut().zip(back).for_each(|(d, g)| *d += g);
     })
 }
 
-/// Scatters the displacement of the free nodes to all nodes (n * nodes, 3); zero where bonded.
-pub fn displaced<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
-    let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
-    let mut u = vec![T::of(0.0); n * nodes * 3];
-    for (u, moved) in u.chunks_exact_mut(3 * nodes).zip(moved.value().chunks_exact(m)) {
-        for (u, slot) in u.as_chunks_mut::<3>().0.iter_mut().zip(&pad.slot) {
-            *u = slot.map_or(*u, |slot| moved.as_chunks::<3>().0[slot as usize]);
-        }
-    }
-    let (pad, input) = (pad.clone(), moved.clone());
-    tape.result(&[moved], (n * nodes, 3), u, move |grads, out| {
-        let Some(d) = grads.of(&input) else { return };
-        for (d, out) in d.chunks_exact_mut(m).zip(out.chunks_exact(3 * nodes)) {
-            for (slot, u) in pad.slot.iter().zip(out.as_chunks::<3>().0) {
-                let Some(slot) = slot else { continue };
-                d.as_chunks_mut::<3>().0[*slot as usize].iter_mut().zip(u).for_each(|(d, v)| *d += *v);
-            }
-        }
-    })
+/// Computes the displacement of the free (not bonded) nodes (n, moving nodes * 3), in the order of their slots, from
+/// forces (n, forces).
+pub fn respond<E: Real, T: Tape<E>>(pad: &Arc<Compliance>, force: Matrix<E, T>) -> Matrix<E, T> {
+    let rows = force.shape().0;
+    mapped(pad, force, rows, [Compliance::displacements, Compliance::displacements_transposed])
 }
 
 /// Computes the deviatoric stress of all nodes (n * nodes, 5), xx, yy, xy, yz, zx, from the displacement of the free
 /// nodes.
-pub fn deviatoric_stress<T: Real>(tape: &Tape<T>, pad: &Arc<Compliance>, moved: &Matrix<T>) -> Matrix<T> {
-    let (n, m, nodes) = (moved.rows, moved.cols, pad.nodes);
-    let (u, mut s) = (interleaved(moved.value(), m), zeros(n, 5 * nodes));
-    Arch::new().dispatch(Deviate { pad, u: &u, s: &mut s });
-    let s = one_by_one(&s, 5 * nodes, n);
-    let (pad, input) = (pad.clone(), moved.clone());
-    tape.result(&[moved], (n * nodes, 5), s, move |grads, out| {
-        let (ds, mut sum) = (interleaved(&out, 5 * nodes), zeros(n, m));
-        Arch::new().dispatch(DeviateTransposed { pad: &pad, s: &ds, u: &mut sum });
-        grads.add(&input, one_by_one(&sum, m, n));
-    })
+pub fn deviatoric_stress<E: Real, T: Tape<E>>(pad: &Arc<Compliance>, moved: Matrix<E, T>) -> Matrix<E, T> {
+    let rows = moved.shape().0 * pad.nodes;
+    mapped(pad, moved, rows, [Compliance::stresses, Compliance::stresses_transposed])
 }
 
-/// Kernel from forces `x` to displacement `y`.
-struct Times<'a, T> {
-    pad: &'a Compliance,
-    x: &'a [Lanes<T>],
-    y: &'a mut [Lanes<T>],
-}
-
-impl<T: Real> WithSimd for Times<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { pad, x, y } = self;
-        let (k, m) = (pad.forces, pad.moving());
-        // Three rows per node.
-        for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
-            let (a, rest) = rows.split_at(k);
-            let (b, c) = rest.split_at(k);
-            let rows = a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0).zip(c.as_chunks::<3>().0);
-            for (x, y) in x.chunks_exact(k).zip(y.chunks_exact_mut(m)) {
-                // Nine independent sums hide the latency of the addition.
-                let mut sum = [[[T::of(0.0); LANES]; 3]; 3];
-                for (((a, b), c), x) in rows.clone().zip(x.as_chunks::<3>().0) {
-                    for k in 0..3 {
-                        add(&mut sum[0][k], a[k], &x[k]);
-                        add(&mut sum[1][k], b[k], &x[k]);
-                        add(&mut sum[2][k], c[k], &x[k]);
-                    }
-                }
-                for (y, [p, q, r]) in y[3 * node..3 * node + 3].iter_mut().zip(&sum) {
-                    for l in 0..LANES {
-                        y[l] = p[l] + q[l] + r[l];
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Kernel from the gradient of the displacement to that of the forces.
-struct TimesTransposed<'a, T> {
-    pad: &'a Compliance,
-    y: &'a [Lanes<T>],
-    x: &'a mut [Lanes<T>],
-}
-
-impl<T: Real> WithSimd for TimesTransposed<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { pad, y, x } = self;
-        let (k, m) = (pad.forces, pad.moving());
-        for (block, rows) in pad.response.chunks(ROWS * k).enumerate() {
-            for (x, y) in x.chunks_exact_mut(k).zip(y.chunks_exact(m)) {
-                let y = &y[ROWS * block..m.min(ROWS * (block + 1))];
-                match y.as_array::<ROWS>() {
-                    Some(y) => {
-                        let rows: [&[f32]; ROWS] = std::array::from_fn(|i| &rows[i * k..(i + 1) * k]);
-                        // Each gradient stays in a register for all of these rows.
-                        for (j, x) in x.iter_mut().enumerate() {
-                            rows.iter().zip(y).for_each(|(row, y)| add(x, row[j], y));
-                        }
-                    }
-                    None => {
-                        for (row, y) in rows.chunks_exact(k).zip(y) {
-                            row.iter().zip(&mut *x).for_each(|(a, x)| add(x, *a, y));
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Component of the stress and of the displacement that each coefficient of a neighbour connects ([`PARTS`]).
-const ENTRIES: [(usize, usize); PARTS] =
-    [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (3, 1), (3, 2), (4, 2), (4, 0)];
-
-/// Kernel from displacement to stress.
-struct Deviate<'a, T> {
-    pad: &'a Compliance,
-    u: &'a [Lanes<T>],
-    s: &'a mut [Lanes<T>],
-}
-
-impl<T: Real> WithSimd for Deviate<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { pad, u, s } = self;
-        for (u, s) in u.chunks_exact(pad.moving()).zip(s.chunks_exact_mut(5 * pad.nodes)) {
-            for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
-                let (slots, parts) = pad.deviator.of(node);
-                for (slot, part) in slots.iter().zip(parts) {
-                    let u = &u.as_chunks::<3>().0[*slot as usize];
-                    ENTRIES.iter().zip(part).for_each(|((row, column), part)| add(&mut s[*row], *part, &u[*column]));
-                }
-            }
-        }
-    }
-}
-
-/// Kernel from the gradient of the stress to that of the displacement.
-struct DeviateTransposed<'a, T> {
-    pad: &'a Compliance,
-    s: &'a [Lanes<T>],
-    u: &'a mut [Lanes<T>],
-}
-
-impl<T: Real> WithSimd for DeviateTransposed<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { pad, s, u } = self;
-        for (s, u) in s.chunks_exact(5 * pad.nodes).zip(u.chunks_exact_mut(pad.moving())) {
-            let u = u.as_chunks_mut::<3>().0;
-            for (node, s) in s.as_chunks::<5>().0.iter().enumerate() {
-                let (slots, parts) = pad.deviator.of(node);
-                for (slot, part) in slots.iter().zip(parts) {
-                    let u = &mut u[*slot as usize];
-                    ENTRIES.iter().zip(part).for_each(|((row, column), part)| add(&mut u[*column], *part, &s[*row]));
-                }
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add<T: Real>(sum: &mut Lanes<T>, factor: f32, x: &Lanes<T>) {
-    let factor = T::of(factor);
-    for l in 0..LANES {
-        sum[l] += factor * x[l];
-    }
-}
-
-fn zeros<T: Real>(rows: usize, cols: usize) -> Vec<Lanes<T>> {
-    vec![[T::of(0.0); LANES]; rows.div_ceil(LANES) * cols]
-}
-
-/// Interleaves rows of `cols` numbers in blocks of [`LANES`] rows; the last block is padded with zeros.
-fn interleaved<T: Real>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
-    let mut out = zeros(x.len() / cols.max(1), cols);
-    for (r, row) in x.chunks_exact(cols.max(1)).enumerate() {
-        let own = &mut out[r / LANES * cols..][..cols];
-        own.iter_mut().zip(row).for_each(|(lanes, v)| lanes[r % LANES] = *v);
-    }
-    out
-}
-
-/// Inverts [`interleaved`] for `rows` rows.
-fn one_by_one<T: Real>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
-    let mut out = vec![T::of(0.0); rows * cols];
-    for (r, row) in out.chunks_exact_mut(cols).enumerate() {
-        row.iter_mut().zip(&lanes[r / LANES * cols..]).for_each(|(v, lanes)| *v = lanes[r % LANES]);
-    }
-    out
+/// Scatters the displacement of the free nodes to all nodes (n * nodes, 3); zero where bonded.
+pub fn displaced<E: Real, T: Tape<E>>(pad: &Compliance, moved: Matrix<E, T>) -> Matrix<E, T> {
+    let (rows, cols) = *moved.shape();
+    apply(&pad.scatter, moved.reshape_like(&(rows * cols / 3, 3)))
 }
