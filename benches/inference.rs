@@ -101,8 +101,7 @@ impl Case {
         let (network, inputs): (&dyn Forward, _) = (self.network.as_ref(), self.inputs());
         let code = network.encode(&self.parameters, &inputs);
         let encode = best(|| drop(black_box(network.encode(&self.parameters, &inputs))));
-        let decode =
-            |loads: &LoadFeatures| drop(black_box(network.decode(&self.parameters, &inputs, &code, loads)));
+        let decode = |loads: &LoadFeatures| drop(black_box(network.decode(&self.parameters, &inputs, &code, loads)));
         [encode, best(|| decode(&self.loads))]
     }
 }

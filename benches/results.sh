@@ -11,7 +11,7 @@
 # After an interruption it resumes with the next table. No other load should run on the machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network slip size predictions stages inference growth environments data_set sensitivity hard_cases rules)
+readonly RESULTS=docs/results.md OUT=out/results TABLES=(press peers squeeze objects scans network autodiff slip size predictions stages inference growth environments data_set sensitivity hard_cases rules)
 commit=$(git rev-parse --short HEAD)
 git diff --quiet HEAD -- src Cargo.toml Cargo.lock || commit="$commit and uncommitted changes"
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1 || true)

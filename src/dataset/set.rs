@@ -1,18 +1,4 @@
 //! Reader of data sets, one grasp at a time: only requested data is held in memory.
-//!
-//! ```no_run
-//! # fn main() -> tactus::error::Result<()> {
-//! let set = tactus::dataset::DataSet::open("out/paper")?;
-//! set.damaged.iter().for_each(|refused| eprintln!("{refused}"));
-//! for object in &set.objects {
-//!     for grasp in object.reached() {
-//!         let grasp = object.grasp(grasp)?;
-//!         println!("{} {:?}", object.name, grasp.travel.last());
-//!     }
-//! }
-//! # Ok(())
-//! # }
-//! ```
 
 use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;

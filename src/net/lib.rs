@@ -1,10 +1,10 @@
 //! Graph network: trained on data sets, then used as one of the solver backends.
 //!
 //! ```text
-//! Model + grasp -> linear/first_contact.rs -> features/ (on linear/pad_graph.rs) -> network/ -> infer/predict.rs
+//! Model + grasp -> linear_response/first_contact.rs -> features/ (on linear_response/pad_graph.rs) -> network/ -> infer/predict.rs
 //!                  -> infer/answer.rs -> backend/network.rs
-//! a load        -> linear/rigid_equilibrium/ -> linear/projected_gradient.rs
-//!                  -> features/loads.rs (linear/balance.rs) -> network/
+//! a load        -> linear_response/rigid_equilibrium/ -> linear/projected_gradient.rs
+//!                  -> features/loads.rs (linear_response/balance.rs) -> network/
 //! PyTorch       -> infer/slopes.rs (inputs with their derivatives) -> infer/inputs.rs (plain arrays)
 //! data set      -> train/sample.rs: the same, and the results of FEM -> train/
 //!                  -> network/card.rs (models/NAME), features/range.rs

@@ -5,13 +5,14 @@ use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::net::autodiff::ops::{
-    Activation, activate, apply, balanced, deviatoric_stress, displaced, layer_norm, respond, share, von_mises,
+    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, respond, von_mises,
 };
 use tactus::net::autodiff::tensor::{Matrix, NoneTape, Real, SharedTape, gradients, matrix, values};
 use tactus::net::linear_response::balance::{ObjectBalance, PadLoad};
 use tactus::net::linear_response::compliance::Compliance;
 use tactus::net::linear_response::deviator::{Deviator, PARTS};
 use tactus::net::matrix::Sparse;
+use tactus::net::network::layers::share;
 use tactus::net::train::loss::root_error;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
@@ -78,14 +79,12 @@ macro_rules! check {
 }
 
 #[test]
-fn activations_of_sums() {
+fn linear_layers() {
     for act in [Activation::None, Activation::Gated, Activation::Positive, Activation::Relu] {
-        check!("linear", &[(5, 4), (4, 3), (1, 3)], |t, p| activate(
-            [t[0].clone().matmul(p[1].clone())],
-            Some(&p[2]),
-            act
-        ));
-        check!("sum", &[(4, 3), (4, 3)], |t, _| activate([t[0].clone(), t[1].clone(), t[0].clone()], None, act));
+        check!("linear", &[(5, 4), (4, 3), (1, 3)], |t, p| linear(t[0].clone(), &p[1], Some(&p[2]), vec![], act));
+        check!("linear with terms, one of them twice", &[(5, 4), (4, 3), (5, 3)], |t, p| {
+            linear(t[0].clone(), &p[1], None, vec![t[2].clone(), t[2].clone()], act)
+        });
     }
 }
 
@@ -94,7 +93,7 @@ fn norms_and_shapes() {
     check!("layer norm", &[(4, 6), (1, 6), (1, 6)], |t, p| layer_norm(t[0].clone(), &p[1], &p[2]));
     check!("product", &[(4, 3), (4, 3)], |t, _| t[0].clone() * t[1].clone());
     check!("von Mises", &[(4, 5)], |t, _| von_mises(t[0].clone()));
-    check!("reshape", &[(4, 6)], |t, _| activate([t[0].clone().reshape_like(&(8, 3))], None, Activation::Gated));
+    check!("reshape", &[(10, 3)], |t, _| von_mises(t[0].clone().reshape_like(&(6, 5))));
 }
 
 #[test]
@@ -160,8 +159,8 @@ fn shares_sum_to_one() {
 #[test]
 fn a_tensor_used_twice_collects_both_gradients() {
     // The gradients of all branches that use the tensor must be added.
-    check!("reuse", &[(3, 3), (3, 3)], |t, p| {
-        let a = activate([t[0].clone().matmul(p[1].clone())], None, Activation::Gated);
+    check!("reuse", &[(3, 3)], |t, p| {
+        let a = linear(t[0].clone(), &p[0], None, vec![], Activation::Gated);
         a + t[0].clone()
     });
 }

@@ -13,7 +13,9 @@ use std::ops::DerefMut;
 use std::rc::Rc;
 
 /// Number type of a tensor: f32 in use, f64 where gradients are checked.
-pub trait Real: Dtype + num_traits::Float + From<f32> + Into<f64> + std::iter::Sum {
+pub trait Real:
+    Dtype + num_traits::Float + faer::traits::ComplexField + From<f32> + Into<f64> + std::iter::Sum
+{
     /// Device that holds the tensors.
     type Device: Device<Self> + Storage<Self, Vec: DerefMut<Target = Vec<Self>>> + Send + Sync;
 
@@ -108,17 +110,9 @@ pub fn values<E: Real, T: Tape<E>>(x: &Matrix<E, T>) -> Vec<E> {
 }
 
 /// Separates tensors of a pass from their tape.
-pub fn split<E: Real, T: Tape<E>, const N: usize>(all: [Matrix<E, T>; N]) -> ([Matrix<E>; N], T) {
-    let mut tape: Option<T> = None;
-    let own = all.map(|x| {
-        let (x, own) = x.split_tape();
-        tape = Some(match tape.take() {
-            Some(first) => first.merge(own),
-            None => own,
-        });
-        x
-    });
-    (own, tape.unwrap_or_default())
+pub fn split<E: Real, T: Tape<E>>(all: Vec<Matrix<E, T>>) -> (Vec<Matrix<E>>, T) {
+    let (own, tapes): (Vec<_>, Vec<T>) = all.into_iter().map(SplitTape::split_tape).unzip();
+    (own, tapes.into_iter().reduce(Merge::merge).unwrap_or_default())
 }
 
 /// Gradients of a backward pass.
@@ -137,14 +131,14 @@ pub fn record<E: Real, T: Tape<E>>(
     mut tape: T,
     (rows, cols): (usize, usize),
     result: Vec<E>,
-    backward: impl FnOnce(&mut Grads<E>, &[E]) + 'static,
+    backward: impl FnOnce(&mut Grads<E>, Vec<E>) + 'static,
 ) -> Matrix<E, T> {
     let result = matrix(rows, cols, result);
     let key = result.clone();
     tape.add_backward_op(move |gradients| {
         // The kernel runs after those of all uses of the result: its gradient is complete, and not needed again.
         let own = std::mem::take(&mut **gradients.get_or_alloc_mut(&key)?);
-        backward(&mut Grads(gradients), &own);
+        backward(&mut Grads(gradients), own);
         Ok(())
     });
     result.put_tape(tape)

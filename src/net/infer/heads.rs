@@ -242,7 +242,7 @@ impl WithSimd for NodeBlock<'_> {
 }
 
 /// Computes the contact forces of a pad from its channels, as corrections of the projected contact:
-/// [`crate::autodiff::ops::share`].
+/// [`crate::network::layers::share`].
 fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;

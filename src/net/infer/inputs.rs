@@ -5,7 +5,7 @@
 
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::normalise::Normaliser;
-use crate::features::{Parity, EDGE, GraspFeatures, NODE, PAD, edge_features};
+use crate::features::{EDGE, GraspFeatures, NODE, PAD, Parity, edge_features};
 use crate::linear_response::balance::{EQUATIONS, ObjectBalance};
 use crate::linear_response::pad_graph::PadGraph;
 use crate::network::Normalisers;

@@ -13,17 +13,15 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
-use super::layers::{Linear, Norm};
+use super::layers::{Linear, Norm, share};
 use super::{Forward, Inputs, Network, NetworkOutput, repeat};
-use crate::autodiff::ops::{
-    Activation, activate, apply, balanced, deviatoric_stress, displaced, respond, share, von_mises,
-};
+use crate::autodiff::ops::{Activation, apply, balanced, deviatoric_stress, displaced, respond, von_mises};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, NODE, PAD};
 use crate::linear_response::pad_graph::Layout;
 use crate::matrix::Sparse;
-use crate::network::parameters::{Id, ParameterBuilder, Parameters};
+use crate::network::parameters::{ParameterBuilder, Parameters};
 use crate::network::spec::Face;
 use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 use std::sync::Arc;
@@ -38,7 +36,6 @@ pub struct FaceNetwork {
     last: Norm,
     pools: Pools,
     node: [Linear; 3],
-    node_bias: Id,
     inner: Linear,
     outer: Linear,
     displacement: Linear,
@@ -47,7 +44,6 @@ pub struct FaceNetwork {
     factor: Linear,
     contact: Linear,
     pad: [Linear; 2],
-    pad_bias: Id,
     middle: Linear,
     travel: Linear,
     motion: Linear,
@@ -71,14 +67,15 @@ struct Round {
 #[derive(Debug)]
 struct Pools {
     weights: [Linear; 4],
-    bias: Id,
 }
 
 impl Pools {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, latent: usize) -> Self {
-        let weights = ["mean", "near", "other_mean", "other_near"]
+        let [mean, bias] = ["mean", "bias"].map(|part| format!("{name}.{part}"));
+        let own = Linear::named(maker, [&mean, &bias], (latent, latent), 0.5);
+        let [near, other_mean, other_near] = ["near", "other_mean", "other_near"]
             .map(|part| Linear::bare(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
-        Self { weights, bias: maker.row(&format!("{name}.bias"), latent, 0.0) }
+        Self { weights: [own, near, other_mean, other_near] }
     }
 
     /// Pools node values (pads * nodes, latent) to pads (pads, latent).
@@ -89,13 +86,9 @@ impl Pools {
         let other = Sparse::new(&other.collect::<Vec<_>>(), f.pads);
         let (mean, near) = (apply(&f.mean, h.clone()), apply(&f.near, h.clone()));
         let [a, b, c, d] = self.weights;
-        let terms = [
-            a.apply(p, mean.clone()),
-            b.apply(p, near.clone()),
-            c.apply(p, apply(&other, mean)),
-            d.apply(p, apply(&other, near)),
-        ];
-        activate(terms, Some(p.get(self.bias)), Activation::Gated)
+        let others =
+            vec![b.apply(p, near.clone()), c.apply(p, apply(&other, mean.clone())), d.apply(p, apply(&other, near))];
+        a.joined(p, mean, others, Activation::Gated)
     }
 }
 
@@ -127,11 +120,10 @@ impl FaceNetwork {
             last: Norm::new(maker, "last.norm", h),
             pools: Pools::new(maker, "last.pool", h),
             node: [
-                Linear::bare(maker, "node.latent", (h, d), 1.0),
+                Linear::named(maker, ["node.latent", "node.bias"], (h, d), 1.0),
                 Linear::bare(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
                 Linear::bare(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
             ],
-            node_bias: maker.row("node.bias", d, 0.0),
             inner: Linear::new(maker, "node.inner", (d, d), 1.0, 0.0),
             outer: Linear::new(maker, "node.outer", (d, d), 0.5, 0.0),
             displacement: Linear::new(maker, "displacement", (d, 3 * depths), 0.01, 0.0),
@@ -141,10 +133,9 @@ impl FaceNetwork {
             factor: Linear::new(maker, "factor", (d, depths), 0.01, 0.75),
             contact: Linear::new(maker, "contact", (d, 3), 0.01, 0.0),
             pad: [
-                Linear::bare(maker, "pad.latent", (h, d), 1.0),
+                Linear::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0),
                 Linear::bare(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
             ],
-            pad_bias: maker.row("pad.bias", d, 0.0),
             middle: Linear::new(maker, "pad.middle", (d, d), 1.0, 0.0),
             travel: Linear::new(maker, "travel", (d, 1), 0.01, 0.0),
             motion: Linear::new(maker, "motion", (d, 6), 0.01, 0.0),
@@ -163,11 +154,11 @@ impl FaceNetwork {
         let x = round.norm.apply(p, h.clone());
         let sent = apply(&graph.edges.senders, round.sender.apply(p, x.clone()));
         let received = apply(&graph.edges.receivers, round.receiver.apply(p, x.clone()));
-        let message = activate([round.edge.apply(p, edge.clone()), sent, received], None, Activation::Gated);
-        let messages = apply(&graph.edges.gather, message);
-        let pooled = round.global.apply(p, round.pools.apply(p, inputs, &x));
-        let terms = [round.own.apply(p, x), round.messages.apply(p, messages), spread(pooled, graph.face.len())];
-        h + round.out.apply(p, activate(terms, None, Activation::Gated))
+        let message = round.edge.joined(p, edge.clone(), vec![sent, received], Activation::Gated);
+        let messages = round.messages.apply(p, apply(&graph.edges.gather, message));
+        let pooled = spread(round.global.apply(p, round.pools.apply(p, inputs, &x)), graph.face.len());
+        let inner = round.own.joined(p, x, vec![messages, pooled], Activation::Gated);
+        round.out.joined(p, inner, vec![h], Activation::None)
     }
 }
 
@@ -182,17 +173,15 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
         let (f, n) = (inputs.features, inputs.normalisers);
         let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
         let pad = self.start_pad.apply(p, inputs.matrix(&f.pad, &n.pad, &PAD));
-        let mut h = self.start.apply(p, inputs.matrix(&f.node, &n.node, &NODE)) + spread(pad, f.graph.face.len());
+        let pad = spread(pad, f.graph.face.len());
+        let mut h = self.start.joined(p, inputs.matrix(&f.node, &n.node, &NODE), vec![pad], Activation::None);
         for round in &self.rounds {
             h = Self::pass(p, inputs, round, h, &edge);
         }
         let h = self.last.apply(p, h);
         let pooled = self.pools.apply(p, inputs, &h);
         // Load-independent part of the first decoder layer.
-        let none = Activation::None;
-        let node = activate([self.node[0].apply(p, h)], Some(p.get(self.node_bias)), none);
-        let pad = activate([self.pad[0].apply(p, pooled)], Some(p.get(self.pad_bias)), none);
-        vec![node, pad]
+        vec![self.node[0].apply(p, h), self.pad[0].apply(p, pooled)]
     }
 
     fn decode(
@@ -207,15 +196,11 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
         let gated = Activation::Gated;
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
-        let node = [
-            apply(&repeat(levels, pads * face), code[0].clone()),
-            self.node[1].apply(p, at_node),
-            spread(self.node[2].apply(p, at_pad.clone()), face),
-        ];
-        let z = activate(node, None, gated);
-        let z = z.clone() + self.outer.apply(p, self.inner.activated(p, z, gated));
-        let pad = [apply(&repeat(levels, pads), code[1].clone()), self.pad[1].apply(p, at_pad)];
-        let y = self.middle.activated(p, activate(pad, None, gated), gated);
+        let [node, pad] = [(0, pads * face), (1, pads)].map(|(k, n)| apply(&repeat(levels, n), code[k].clone()));
+        let pad_load = spread(self.node[2].apply(p, at_pad.clone()), face);
+        let z = self.node[1].joined(p, at_node, vec![node, pad_load], gated);
+        let z = self.outer.joined(p, self.inner.activated(p, z.clone(), gated), vec![z], Activation::None);
+        let y = self.middle.activated(p, self.pad[1].joined(p, at_pad, vec![pad], gated), gated);
 
         let contact = self.contact.apply(p, z.clone()) + carried(inputs, loads);
         let contact = balanced(share(contact, face), &loads.balance, inputs.signs());

@@ -1,9 +1,9 @@
 //! Layers that networks share: which parameters they have, and what they compute.
 
 use super::parameters::{Id, ParameterBuilder, Parameters};
-use crate::autodiff::ops::{Activation, activate, layer_norm};
-use crate::autodiff::tensor::{Matrix, Real, Tape};
-use dfdx::prelude::TryMatMul;
+use crate::autodiff::ops::{Activation, layer_norm, linear};
+use crate::autodiff::tensor::{Matrix, Real, Tape, row};
+use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 
 /// Linear layer `x W + b`, or `x W`.
 #[derive(Debug, Clone, Copy)]
@@ -18,41 +18,49 @@ impl Linear {
     pub fn new<E: Real>(
         maker: &mut ParameterBuilder<E>,
         name: &str,
-        (rows, cols): (usize, usize),
+        shape: (usize, usize),
         gain: f64,
         bias: f32,
     ) -> Self {
-        let weight = maker.weight(&format!("{name}.weight"), rows, cols, gain);
-        Self { weight, bias: Some(maker.row(&format!("{name}.bias"), cols, bias)) }
+        let weight = Self::bare(maker, &format!("{name}.weight"), shape, gain);
+        Self { bias: Some(maker.row(&format!("{name}.bias"), shape.1, bias)), ..weight }
+    }
+
+    /// Creates the layer with the parameters `weight` and `bias`, which is zero at first.
+    pub fn named<E: Real>(
+        maker: &mut ParameterBuilder<E>,
+        [weight, bias]: [&str; 2],
+        shape: (usize, usize),
+        gain: f64,
+    ) -> Self {
+        let weight = Self::bare(maker, weight, shape, gain);
+        Self { bias: Some(maker.row(bias, shape.1, 0.0)), ..weight }
     }
 
     /// Creates the layer with the weight `name` and no bias.
-    pub fn bare<E: Real>(
-        maker: &mut ParameterBuilder<E>,
-        name: &str,
-        (rows, cols): (usize, usize),
-        gain: f64,
-    ) -> Self {
+    pub fn bare<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, (rows, cols): (usize, usize), gain: f64) -> Self {
         Self { weight: maker.weight(name, rows, cols, gain), bias: None }
     }
 
     /// Computes the output for x (n, rows): (n, cols).
     pub fn apply<E: Real, T: Tape<E>>(self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
-        self.activated(p, x, Activation::None)
+        self.joined(p, x, Vec::new(), Activation::None)
     }
 
     /// Computes the activation of the output.
-    pub fn activated<E: Real, T: Tape<E>>(
+    pub fn activated<E: Real, T: Tape<E>>(self, p: &Parameters<E>, x: Matrix<E, T>, act: Activation) -> Matrix<E, T> {
+        self.joined(p, x, Vec::new(), act)
+    }
+
+    /// Computes the activation of the sum of the output and other `terms` (n, cols).
+    pub fn joined<E: Real, T: Tape<E>>(
         self,
         p: &Parameters<E>,
         x: Matrix<E, T>,
+        terms: Vec<Matrix<E, T>>,
         act: Activation,
     ) -> Matrix<E, T> {
-        let y = x.matmul(p.get(self.weight).clone());
-        match (self.bias, act) {
-            (None, Activation::None) => y,
-            (bias, _) => activate([y], bias.map(|bias| p.get(bias)), act),
-        }
+        linear(x, p.get(self.weight), self.bias.map(|bias| p.get(bias)), terms, act)
     }
 }
 
@@ -74,4 +82,19 @@ impl Norm {
     pub fn apply<E: Real, T: Tape<E>>(self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
         layer_norm(x, p.get(self.gain), p.get(self.shift))
     }
+}
+
+/// Computes the fractions of the force in every group of `size` rows of x (n, 3): a softmax of column 0, times (1,
+/// column 1, column 2).
+///
+/// The fractions of a group are positive and sum to one, so contact forces made of them sum exactly to the force of the
+/// finger.
+pub fn share<E: Real, T: Tape<E>>(x: Matrix<E, T>, size: usize) -> Matrix<E, T> {
+    let shape = *x.shape();
+    assert!(shape.1 == 3 && shape.0.is_multiple_of(size), "shares are made of whole groups of three columns");
+    let logits = x.clone().slice((.., 0..1)).reshape_like(&(shape.0 / size, size));
+    let fractions = logits.softmax::<Axis<1>>().reshape_like(&(shape.0,)).broadcast_like::<_, Axis<1>>(&shape);
+    let [tangential, normal] = [[0.0, 1.0, 1.0], [1.0, 0.0, 0.0]].map(row);
+    let wide = |row| BroadcastTo::broadcast_like::<_, Axis<0>>(row, &shape);
+    fractions * (x * wide(tangential) + wide(normal))
 }

@@ -119,7 +119,12 @@ impl<T> Inputs<'_, T> {
     }
 
     /// Returns normalised features, (n, parity.len()).
-    pub(crate) fn matrix<E: Real>(&self, rows: &[f32], normaliser: &Normaliser, parity: &[features::Parity]) -> Matrix<E, T>
+    pub(crate) fn matrix<E: Real>(
+        &self,
+        rows: &[f32],
+        normaliser: &Normaliser,
+        parity: &[features::Parity],
+    ) -> Matrix<E, T>
     where
         T: Tape<E>,
     {
@@ -172,7 +177,9 @@ pub trait Forward<E: Real = f32, T = NoneTape> {
 }
 
 /// Network: its forward pass is recorded for training, and not for inference.
-pub trait Network<E: Real = f32>: Forward<E, NoneTape> + Forward<E, SharedTape<E>> + Send + Sync + std::fmt::Debug {
+pub trait Network<E: Real = f32>:
+    Forward<E, NoneTape> + Forward<E, SharedTape<E>> + Send + Sync + std::fmt::Debug
+{
     /// Returns the layout of the graph on which it passes messages.
     fn layout(&self) -> Layout;
 }

@@ -11,15 +11,15 @@
 //! paper: travel and motion of the object come from a head on the mean of `h` near the contact, contact forces from a
 //! layer on the face.
 
-use super::layers::{Linear, Norm};
+use super::layers::{Linear, Norm, share};
 use super::{Forward, Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
-use crate::autodiff::ops::{Activation, activate, apply, share};
+use crate::autodiff::ops::{Activation, apply};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::pad_graph::Layout;
-use crate::network::parameters::{Id, ParameterBuilder, Parameters};
+use crate::network::parameters::{ParameterBuilder, Parameters};
 use crate::network::spec::Paper;
 use dfdx::prelude::{HasShape, ReshapeTo};
 
@@ -28,7 +28,6 @@ use dfdx::prelude::{HasShape, ReshapeTo};
 #[derive(Debug)]
 struct Mlp {
     inputs: Vec<Linear>,
-    bias: Id,
     hidden: Linear,
     out: Linear,
     norm: Norm,
@@ -37,26 +36,33 @@ struct Mlp {
 impl Mlp {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, inputs: &[usize], h: usize) -> Self {
         let gain = 2.0 / inputs.len() as f64;
-        let first = inputs.iter().enumerate();
+        let [first, bias] = ["input0", "bias"].map(|part| format!("{name}.{part}"));
+        let mut all = vec![Linear::named(maker, [&first, &bias], (inputs[0], h), gain)];
+        let others = inputs.iter().enumerate().skip(1);
+        all.extend(others.map(|(i, n)| Linear::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)));
         Self {
-            inputs: first.map(|(i, n)| Linear::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)).collect(),
-            bias: maker.row(&format!("{name}.bias"), h, 0.0),
+            inputs: all,
             hidden: Linear::new(maker, &format!("{name}.hidden"), (h, h), 2.0, 0.0),
             out: Linear::new(maker, &format!("{name}.out"), (h, h), 1.0, 0.0),
             norm: Norm::new(maker, name, h),
         }
     }
 
-    /// Computes the output from the contributions of all inputs to the first layer.
-    fn finish<E: Real, T: Tape<E>, const N: usize>(&self, p: &Parameters<E>, terms: [Matrix<E, T>; N]) -> Matrix<E, T> {
-        let x = activate(terms, Some(p.get(self.bias)), Activation::Relu);
+    /// Computes the output for x, the first input, and the contributions of the others to the first layer.
+    fn joined<E: Real, T: Tape<E>>(
+        &self,
+        p: &Parameters<E>,
+        x: Matrix<E, T>,
+        others: Vec<Matrix<E, T>>,
+    ) -> Matrix<E, T> {
+        let x = self.inputs[0].joined(p, x, others, Activation::Relu);
         let x = self.hidden.activated(p, x, Activation::Relu);
         self.norm.apply(p, self.out.apply(p, x))
     }
 
     /// Computes the output for a single input.
     fn apply<E: Real, T: Tape<E>>(&self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
-        self.finish(p, [self.inputs[0].apply(p, x)])
+        self.joined(p, x, Vec::new())
     }
 }
 
@@ -107,8 +113,8 @@ impl PaperNetwork {
     ) -> Matrix<E, T> {
         let from = apply(&edges.senders, mlp.inputs[1].apply(p, h.clone()));
         let to = apply(&edges.receivers, mlp.inputs[2].apply(p, h.clone()));
-        let new = mlp.finish(p, [mlp.inputs[0].apply(p, e.clone()), from, to]);
-        activate([e, new], None, Activation::None)
+        let new = mlp.joined(p, e.clone(), vec![from, to]);
+        e + new
     }
 }
 
@@ -147,10 +153,9 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for PaperNetwork {
         for _ in 0..self.rounds {
             e = Self::pass(p, &self.messages[0], &volume.mesh, e, &h);
             c = Self::pass(p, &self.messages[1], &volume.contact, c, &h);
-            let states = [h.clone(), apply(&volume.mesh.gather, e.clone()), apply(&volume.contact.gather, c.clone())];
-            let mut inputs = self.update.inputs.iter();
-            let terms = states.map(|x| inputs.next().expect("one layer to each input").apply(p, x));
-            h = activate([h, self.update.finish(p, terms)], None, Activation::None);
+            let mesh = self.update.inputs[1].apply(p, apply(&volume.mesh.gather, e.clone()));
+            let contact = self.update.inputs[2].apply(p, apply(&volume.contact.gather, c.clone()));
+            h = h.clone() + self.update.joined(p, h, vec![mesh, contact]);
         }
         let z = self.decode.apply(p, h);
         let face = apply(&volume.face, z.clone());

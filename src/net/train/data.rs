@@ -204,8 +204,8 @@ fn beyond_response(samples: &[Sample], loads: &[&LoadFeatures]) -> f32 {
         let force: Vec<f32> = s.contact.iter().map(|f| f / s.features.unit_force() as f32).collect();
         // A network of the full pads predicts the total displacement.
         let pad = &graph.compliance;
-        let given = matches!(graph.layout, Layout::Face { .. })
-            .then(|| pad.scatter.times(&pad.displacements(&force), 3));
+        let given =
+            matches!(graph.layout, Layout::Face { .. }).then(|| pad.scatter.times(&pad.displacements(&force), 3));
         for (i, u) in s.displacement.iter().enumerate() {
             let given = given.as_ref().map_or(0.0, |g| f64::from(g[i]) * graph.thickness);
             square += ((f64::from(*u) - given) / l.depth[i / width]).powi(2);

@@ -1,8 +1,6 @@
-//! Sum of terms and a bias with an activation, in one operation: every pointwise operation of dfdx costs a pass over
-//! memory with computed indices, forward and backward.
+//! Activation functions and their derivatives.
 
-use crate::autodiff::tensor::{Matrix, Real, Tape, record, split, values};
-use dfdx::prelude::HasShape;
+use crate::autodiff::tensor::Real;
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
@@ -54,66 +52,45 @@ impl Activation {
             Activation::Relu => E::of(if z > E::of(0.0) { 1.0 } else { 0.0 }),
         }
     }
+
+    /// Replaces `z` by the values, and returns what [`Self::differentiate`] needs of `z`.
+    pub fn apply<E: Real>(self, z: &mut [E]) -> Vec<E> {
+        if self == Activation::None {
+            return Vec::new();
+        }
+        let given = z.to_vec();
+        Arch::new().dispatch(Values(self, z));
+        given
+    }
+
+    /// Replaces the gradient `dz` with respect to the values by that with respect to `z`.
+    pub fn differentiate<E: Real>(self, z: &[E], dz: &mut [E]) {
+        if self != Activation::None {
+            Arch::new().dispatch(Slopes(self, z, dz));
+        }
+    }
 }
 
-/// Kernel of `y = act(z)`.
-struct Values<'a, E>(Activation, &'a [E]);
+/// Kernel of `y = act(z)`, in place.
+struct Values<'a, E>(Activation, &'a mut [E]);
 
 impl<E: Real> WithSimd for Values<'_, E> {
-    type Output = Vec<E>;
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<E> {
-        self.1.iter().map(|z| self.0.value(*z)).collect()
+    fn with_simd<S: Simd>(self, _: S) {
+        self.1.iter_mut().for_each(|z| *z = self.0.value(*z));
     }
 }
 
-/// Kernel of `dz = act'(z) dy`.
-struct Slopes<'a, E>(Activation, &'a [E], &'a [E]);
+/// Kernel of `dz = act'(z) dy`, in place.
+struct Slopes<'a, E>(Activation, &'a [E], &'a mut [E]);
 
 impl<E: Real> WithSimd for Slopes<'_, E> {
-    type Output = Vec<E>;
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<E> {
-        self.1.iter().zip(self.2).map(|(z, dy)| self.0.slope(*z) * *dy).collect()
+    fn with_simd<S: Simd>(self, _: S) {
+        self.2.iter_mut().zip(self.1).for_each(|(dy, z)| *dy *= self.0.slope(*z));
     }
-}
-
-/// Computes `act(a + b + ... + bias)` of matrices (n, m) and a row (1, m).
-pub fn activate<E: Real, T: Tape<E>, const N: usize>(
-    terms: [Matrix<E, T>; N],
-    bias: Option<&Matrix<E>>,
-    act: Activation,
-) -> Matrix<E, T> {
-    let (terms, tape) = split(terms);
-    let shape = *terms[0].shape();
-    assert!(terms.iter().all(|term| *term.shape() == shape), "terms of a sum have one shape");
-    let mut z = values(&terms[0]);
-    for term in &terms[1..] {
-        z.iter_mut().zip(values(term)).for_each(|(z, t)| *z += t);
-    }
-    if let Some(bias) = bias.map(values) {
-        z.chunks_exact_mut(shape.1).for_each(|row| row.iter_mut().zip(&bias).for_each(|(z, b)| *z += *b));
-    }
-    let linear = act == Activation::None;
-    let (y, z) =
-        if linear { (z, Vec::new()) } else { (Arch::new().dispatch(Values(act, &z)), z) };
-    let bias = bias.cloned();
-    record(tape, shape, y, move |grads, dy| {
-        let product;
-        let dz = if linear {
-            dy
-        } else {
-            product = Arch::new().dispatch(Slopes(act, &z, dy));
-            &product
-        };
-        if let Some(bias) = &bias {
-            let db = grads.of(bias);
-            dz.chunks_exact(shape.1).for_each(|row| db.iter_mut().zip(row).for_each(|(d, g)| *d += *g));
-        }
-        for term in &terms {
-            grads.of(term).iter_mut().zip(dz).for_each(|(d, g)| *d += *g);
-        }
-    })
 }

@@ -21,8 +21,7 @@ pub fn balanced<E: Real, T: Tape<E>>(
     let mut y = values(&x);
     y.chunks_exact_mut(size).zip(balances).for_each(|(y, own)| own.balance(y, mirror));
     let ((x, tape), balances) = (x.split_tape(), balances.to_vec());
-    record(tape, (rows, 3), y, move |grads, dy| {
-        let mut back = dy.to_vec();
+    record(tape, (rows, 3), y, move |grads, mut back| {
         back.chunks_exact_mut(size).zip(&balances).for_each(|(back, own)| own.gradient(back, mirror));
         grads.of(&x).iter_mut().zip(back).for_each(|(d, g)| *d += g);
     })

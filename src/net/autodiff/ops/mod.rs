@@ -2,16 +2,16 @@
 
 mod activation;
 mod balance;
+mod linear;
 mod norm;
 mod response;
-mod share;
 mod sparse;
 mod von_mises;
 
-pub use activation::{Activation, activate};
+pub use activation::Activation;
 pub use balance::balanced;
+pub use linear::linear;
 pub use norm::layer_norm;
 pub use response::{deviatoric_stress, displaced, respond};
-pub use share::share;
 pub use sparse::apply;
 pub use von_mises::{LITTLE, von_mises};

@@ -20,7 +20,7 @@ fn mapped<E: Real, T: Tape<E>>(
     let ((x, tape), pad) = (x.split_tape(), pad.clone());
     let cols = y.len() / rows.max(1);
     record(tape, (rows, cols), y, move |grads, dy| {
-        let back = transpose(&pad, dy);
+        let back = transpose(&pad, &dy);
         grads.of(&x).iter_mut().zip(back).for_each(|(d, g)| *d += g);
     })
 }

@@ -11,5 +11,5 @@ pub fn apply<E: Real, T: Tape<E>>(map: &Arc<Sparse>, x: Matrix<E, T>) -> Matrix<
     assert_eq!(rows % map.cols().max(1), 0, "a sparse map applies to whole blocks of rows");
     let y = map.times(&values(&x), m);
     let ((x, tape), map) = (x.split_tape(), map.clone());
-    record(tape, (y.len() / m.max(1), m), y, move |grads, dy| map.add_transposed(dy, grads.of(&x), m))
+    record(tape, (y.len() / m.max(1), m), y, move |grads, dy| map.add_transposed(&dy, grads.of(&x), m))
 }

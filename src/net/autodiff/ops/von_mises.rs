@@ -20,7 +20,7 @@ pub fn von_mises<E: Real, T: Tape<E>>(x: Matrix<E, T>) -> Matrix<E, T> {
     record(tape, (rows, 1), y, move |grads, dy| {
         let rows = grads.of(&x).as_chunks_mut::<5>().0.iter_mut().zip(given.as_chunks::<5>().0);
         for ((dx, [a, b, c, d, e]), (y, g)) in rows.zip(kept.iter().zip(dy)) {
-            let scale = three * *g / *y;
+            let scale = three * g / *y;
             dx[0] += scale * (*a + *b / two);
             dx[1] += scale * (*b + *a / two);
             dx[2] += scale * *c;
