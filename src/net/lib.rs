@@ -3,7 +3,7 @@
 //! ```text
 //! Model + grasp -> linear_response/first_contact.rs -> features/ (on linear_response/pad_graph.rs) -> network/ -> infer/predict.rs
 //!                  -> infer/answer.rs -> backend/network.rs
-//! a load        -> linear_response/rigid_equilibrium/ -> linear/projected_gradient.rs
+//! a load        -> linear_response/rigid_equilibrium/ -> linear_response/projected_gradient.rs
 //!                  -> features/loads.rs (linear_response/balance.rs) -> network/
 //! PyTorch       -> infer/slopes.rs (inputs with their derivatives) -> infer/inputs.rs (plain arrays)
 //! data set      -> train/sample.rs: the same, and the results of FEM -> train/
