@@ -3,6 +3,7 @@
 use base::error::{Error, Result};
 use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
+use geometry::Wrench;
 use glam::DVec3;
 use model::{Model, Needs};
 use net::infer::force_ladder::ForceInterpolation;
@@ -226,7 +227,7 @@ fn look(
     }
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
-    let contact = GeometricContact::new(&shared.0, **pose, &travel);
+    let contact = GeometricContact::new(&shared.0, pose.0, &travel);
     prediction.look(&shared.0, contact);
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
@@ -279,7 +280,8 @@ fn predict(
                 })
                 .as_ref()
                 .and_then(|ladder| ladder.at(load.level, push));
-            known.map_or_else(|| predictor.at(seen, GraspLoad { force: load.level, push: [push, DVec3::ZERO] }), Ok)
+            let push = Wrench { force: push, ..Wrench::ZERO };
+            known.map_or_else(|| predictor.at(seen, GraspLoad { force: load.level, push }), Ok)
         }
         None => Err(Error::Start("the load rises before first contact".into())),
     };
@@ -343,10 +345,10 @@ fn write_state(
         let force: DVec3 = pad.contact.iter().sum();
         let arms = rest.iter().zip(&pad.displacement).map(|(x, u)| *x + *u);
         let torque: DVec3 = arms.zip(&pad.contact).map(|(x, f)| x.cross(*f)).sum();
-        *wrench = FingerWrench { force: axes(finger.0 as usize) * force, torque: axes(finger.0 as usize) * torque };
+        wrench.0 = Wrench { force, torque }.rotated(axes(finger.0 as usize));
     }
     if model.free {
-        **pose = object_at(model, touch, pads);
+        pose.0 = object_at(model, touch, pads);
     }
 }
 
@@ -368,12 +370,12 @@ fn measure_shape(
     for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
         rows_by_pad(finger).for_each(|(f, rows)| x[f] = position[rows].iter().map(|x| x.0).collect());
     }
-    let inverse = object.rotation.inverse();
+    let inverse = object.0.rotation.inverse();
     let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
     let worst = |(finger, carried): &(usize, DVec3)| {
         let own = &x[*finger];
         let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
-            let at = inverse * (own[*node as usize] + *carried - object.position);
+            let at = inverse * (own[*node as usize] + *carried - object.0.position);
             // Nodes farther away than the smallest gap so far need no distance.
             let closer = model.object.distance.closest(at, least.max(NEAR));
             closer.map_or(least, |c| least.min(c.distance))

@@ -5,9 +5,10 @@ use super::reader::{ObjectFile, StoredGrasp};
 use super::set::{DataSet, hash};
 use base::error::{Error, Result};
 use geometry::Pose;
+use geometry::Wrench;
 use glam::DVec3;
 use record::render::{self, Style};
-use record::{Frame, PadFrame, Wrench};
+use record::{Frame, PadFrame};
 use serde::Serialize;
 use std::path::Path;
 

@@ -74,7 +74,7 @@ impl Encoder {
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
         let load = frame.object_load;
-        rows.doubles(RowName::ObjectLoad, 6 * k, load.force.to_array().into_iter().chain(load.torque.to_array()));
+        rows.doubles(RowName::ObjectLoad, 6 * k, load.row());
         rows.doubles(RowName::ObjectPose, 7 * k, pose_row(frame.object_position, frame.object_rotation));
         for (name, value) in [
             (RowName::Force, frame.applied_force),

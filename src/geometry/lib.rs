@@ -9,6 +9,8 @@ pub mod pad;
 pub mod pose;
 pub mod shape;
 pub mod triangle6;
+pub mod wrench;
 
 pub use aabb::Aabb;
 pub use pose::Pose;
+pub use wrench::Wrench;

@@ -14,6 +14,9 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// Pose of a frame in itself.
+    pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
+
     /// Creates the pose from a row of a file: px py pz qw qx qy qz, not normalised. `row` has at least these seven
     /// numbers.
     pub fn from_row(row: &[f64]) -> Self {

@@ -1,5 +1,6 @@
 //! Push on a squeezed object.
 
+use geometry::Wrench;
 use glam::{DQuat, DVec3};
 use scene::loading::ObjectPush;
 
@@ -24,9 +25,9 @@ impl PushLoad {
         Self { force: push.force.dvec3(), torque: push.torque.dvec3(), parts }
     }
 
-    /// Returns force and torque of the fraction `part` of the push.
-    pub fn at(&self, part: f64) -> [DVec3; 2] {
-        [self.force * part, self.torque * part]
+    /// Returns the fraction `part` of the push.
+    pub fn at(&self, part: f64) -> Wrench {
+        Wrench { force: self.force, torque: self.torque } * part
     }
 
     /// Returns the lever arms of the torque (m, hand frame) with the forces at their ends (N):

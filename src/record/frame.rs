@@ -3,19 +3,11 @@
 //! All quantities are in the hand frame and in SI units unless stated otherwise.
 
 use super::{ErrorBound, TactileArray};
+use geometry::Wrench;
 use geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-
-/// Contact force and torque on one pad, hand frame.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Wrench {
-    /// Force on the pad, N.
-    pub force: DVec3,
-    /// Torque on the pad about the origin of the pad frame, N m.
-    pub torque: DVec3,
-}
 
 /// State of one pad in one frame. Node arrays follow [`PadTopology::rest`], element arrays [`PadTopology::elements`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -37,7 +29,7 @@ pub struct PadFrame {
     pub slip: Vec<f64>,
     /// Contact area in the reference configuration, m2; zero unless an observation requires it.
     pub contact_area: f64,
-    /// Contact wrench on this pad.
+    /// Contact wrench on this pad, about the origin of its frame.
     pub wrench: Wrench,
 }
 

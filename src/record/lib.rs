@@ -32,6 +32,6 @@ pub mod tactile;
 pub mod vtu;
 
 pub use error_bound::ErrorBound;
-pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, Wrench, pad_name};
+pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};
 pub use tactile::TactileArray;

@@ -1,10 +1,11 @@
 //! Reading of a run: `run.json`, and the frames in `arrays.npz`.
 
-use super::frame::{Frame, Moving, PadFrame, Wrench};
+use super::frame::{Frame, Moving, PadFrame};
 use super::names;
 use super::report::RunReport;
 use base::error::{Error, Result};
 use geometry::Pose;
+use geometry::Wrench;
 use glam::DVec3;
 use ndarray::{Array, Dimension, Ix1, Ix2, Ix3};
 use ndarray_npy::{NpzReader, ReadNpzError};

@@ -26,7 +26,8 @@
 use base::error::Result;
 use bevy_ecs::component::Component;
 use bevy_ecs::component::Mutable;
-use glam::{DQuat, DVec3};
+use geometry::{Pose, Wrench};
+use glam::DVec3;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -155,32 +156,18 @@ pub struct ContactFriction {
     pub slips: bool,
 }
 
-/// Resultant of the contact on the pad of a finger. Written by the stepper.
+/// Resultant of the contact on the pad of a finger, about the origin of its pad frame, which moves with the finger, hand
+/// frame. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct FingerWrench {
-    /// Force on the pad, N, hand frame.
-    pub force: DVec3,
-    /// Torque on the pad about the origin of its pad frame, which moves with the finger, N m, hand frame.
-    pub torque: DVec3,
-}
+pub struct FingerWrench(pub Wrench);
 
-/// Pose of the object: `x_hand = rotation * x_object + position`. Written by `place_object`, then by the stepper.
+/// Pose of the object in the hand frame. Written by `place_object`, then by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ObjectPose {
-    /// Origin of the object frame in the hand frame, m.
-    pub position: DVec3,
-    /// Rotation from the object frame to the hand frame, length 1.
-    pub rotation: DQuat,
-}
+pub struct ObjectPose(pub Pose);
 
-/// Pose of the hand: `x_world = rotation * x_hand + position`. Written by the stepper.
+/// Pose of the hand in the world. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct HandPose {
-    /// Origin of the hand frame in the world, m.
-    pub position: DVec3,
-    /// Rotation from the hand frame to the world, length 1.
-    pub rotation: DQuat,
-}
+pub struct HandPose(pub Pose);
 
 /// Velocity of a free object. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -200,23 +187,14 @@ pub struct ObjectMomentum {
     pub angular: DVec3,
 }
 
-/// Forces of inertia on a free object: minus the rates of its momenta in the last time step. Written by the stepper.
+/// Forces of inertia on a free object, about its centre of mass, hand frame: minus the rates of its momenta in the last
+/// time step. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct InertialWrench {
-    /// Force, N, hand frame.
-    pub force: DVec3,
-    /// Torque about the centre of mass, N m, hand frame.
-    pub torque: DVec3,
-}
+pub struct InertialWrench(pub Wrench);
 
-/// Force and torque of the ground on a free object. Written by the stepper.
+/// Force and torque of the ground on a free object, about its centre of mass, hand frame. Written by the stepper.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct GroundWrench {
-    /// Force, N, hand frame.
-    pub force: DVec3,
-    /// Torque about the centre of mass, N m, hand frame.
-    pub torque: DVec3,
-}
+pub struct GroundWrench(pub Wrench);
 
 impl Default for ContactEdge {
     fn default() -> Self {

@@ -10,7 +10,7 @@ use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
 use geometry::Pose;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use model::Model;
 use model::part::FingerModel;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub fn spawn(model: &Arc<Model>, pose: Pose) -> World {
             entity.insert(ContactArea(0.0));
         }
     }
-    let mut object = world.spawn(ObjectPose { position: DVec3::ZERO, rotation: DQuat::IDENTITY });
+    let mut object = world.spawn(ObjectPose(Pose::IDENTITY));
     if model.needs.free_object {
         if model.needs.task || model.gravity.is_some() {
             object.insert(ObjectWeight(DVec3::ZERO));
@@ -43,7 +43,7 @@ pub fn spawn(model: &Arc<Model>, pose: Pose) -> World {
         }
     }
     if model.needs.dynamic {
-        world.spawn(HandPose { position: pose.position, rotation: pose.rotation });
+        world.spawn(HandPose(pose));
     }
     begin(&mut world, model, pose);
     world
@@ -67,13 +67,13 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
     fill(world, FingerWrench::default());
     fill(world, ContactArea(0.0));
     let start = pose.inverse();
-    fill(world, ObjectPose { position: start.position, rotation: start.rotation });
+    fill(world, ObjectPose(start));
     fill(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
     fill(world, ObjectVelocity::default());
     fill(world, ObjectMomentum::default());
     fill(world, InertialWrench::default());
     fill(world, GroundWrench::default());
-    fill(world, HandPose { position: pose.position, rotation: pose.rotation });
+    fill(world, HandPose(pose));
     world.remove_resource::<ForceCommand>();
     world.remove_resource::<FallbackReason>();
     world.insert_resource(Shared(model.clone()));

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use tactus::backend::network::NetworkStepper;
 use tactus::base::random::Random;
 use tactus::geometry::Pose;
+use tactus::geometry::Wrench;
 use tactus::mech::body::{Body, Elements};
 use tactus::model::Model;
 use tactus::model::part::FingerModel;
@@ -51,7 +52,7 @@ fn what_only_fem_knows_changes_no_bit() {
         }
         world.query::<&mut TetStress>().iter_mut(world).for_each(|mut s| s.0 = 1e9);
         for mut wrench in world.query::<&mut FingerWrench>().iter_mut(world) {
-            *wrench = FingerWrench { force: DVec3::splat(99.0), torque: DVec3::splat(99.0) };
+            wrench.0 = Wrench { force: DVec3::splat(99.0), torque: DVec3::splat(99.0) };
         }
     });
     assert_eq!(clean, spoilt);

@@ -16,7 +16,7 @@ use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::Spec;
 use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
-use tactus::net::train::loss::Scalar;
+use tactus::net::train::loss::LossValue;
 use tactus::net::train::sample::{Sample, model_of};
 use tactus::net::train::{data, pass};
 use tactus::scene::from_ron;
@@ -41,7 +41,7 @@ impl Case {
         tape: T,
         network: &(impl Forward<E, T> + ?Sized),
         parameters: &Parameters<E>,
-    ) -> Scalar<E, T> {
+    ) -> LossValue<E, T> {
         let (features, normalisers) = (&self.sample.features, &self.norms);
         let inputs = Inputs { features, normalisers, mirror: (true, false), tape };
         pass(network, parameters, &inputs, &self.spec.training, &self.sample)

@@ -2,6 +2,7 @@
 
 use super::stepper::GraspSolver;
 use base::scales::DROP_DISTANCE;
+use geometry::Pose;
 use glam::DVec3;
 use mech::newton::Failure;
 use mech::newton::effort::{most_iterations, most_iterations_of_agent_step};
@@ -10,7 +11,6 @@ use mech::path::grasp_place::GraspLimits;
 use mech::path::{Advanced, Load};
 use model::push::FIRST_PART;
 use model::{DropLimits, Model};
-use world::components::ObjectPose;
 use world::schedule::{StepLoad, Stop};
 
 /// Number of steps in which the weight of an object passes from its support to the fingers.
@@ -110,7 +110,7 @@ impl GraspSolver {
 
     /// Returns the region that the object may not leave.
     fn place(&self, model: &Model, after: DropLimits) -> GraspLimits {
-        let ObjectPose { position, rotation } = self.progress.start;
+        let Pose { position, rotation } = self.progress.start;
         let faces = model.fingers.iter().map(|finger| finger.placement.origin);
         let center = faces.sum::<DVec3>() / model.fingers.len().max(1) as f64;
         GraspLimits { position, rotation, center, distance: after.distance, angle: after.angle }
@@ -125,7 +125,7 @@ impl GraspSolver {
         let first = model.contact_force().min(most);
         self.hand_over(0.0);
         self.path.tolerance = self.tolerance(model, first);
-        self.progress.start = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        self.progress.start = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
         self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
         self.condense(model).map_err(stuck)?;
         self.path.newton.object_fixed = model.free;

@@ -6,6 +6,7 @@ use super::systems;
 use base::error::{Error, Result};
 use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
+use geometry::Pose;
 use glam::DVec3;
 use mech::contact::{FeatureContact, PointContact};
 use mech::newton::effort::Effort;
@@ -22,7 +23,6 @@ use record::pad_name;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use world::Stepper;
-use world::components::ObjectPose;
 use world::schedule::{CurrentGrasp, Shared};
 use world::spawn::spawn_edges;
 use world::systems::sense::{center, first_contact};
@@ -75,7 +75,6 @@ impl Stepper for FemStepper {
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
         let pose = grasp.0.inverse();
-        let pose = ObjectPose { position: pose.position, rotation: pose.rotation };
         world.insert_resource(GraspSolver::new(&shared.0, pose, &self.settings)?);
         world.insert_resource(systems::EdgeReadings::default());
         if let Some(dynamics) = &shared.0.dynamics {
@@ -131,7 +130,7 @@ pub(crate) struct GraspProgress {
     /// Flag: the squeeze is complete, and the push rises.
     pub pushing: bool,
     /// Pose at first contact.
-    pub start: ObjectPose,
+    pub start: Pose,
 }
 
 impl GraspSolver {
@@ -139,7 +138,7 @@ impl GraspSolver {
     ///
     /// # Errors
     /// Fails if the symbolic factorisation of a body fails.
-    pub fn new(model: &Model, pose: ObjectPose, settings: &scene::Fem) -> Result<Self> {
+    pub fn new(model: &Model, pose: Pose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
         let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
         let terms = model.fingers.iter().map(|finger| contact(model, finger)).collect();
@@ -239,7 +238,7 @@ impl GraspSolver {
 
     /// Moves the fingers to a clearance of half the contact offset, with a free object centred between them.
     pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
-        let pose = ObjectPose { position: self.path.state.position, rotation: self.path.state.rotation };
+        let pose = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = 0.5 * model.offset;
         let state = &mut self.path.state;
         for i in 0..model.fingers.len() {
@@ -323,7 +322,7 @@ pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
 
 /// Returns the weight of the gel of finger `i` on its nodes, N; empty without gravity, and in a dynamic scene, where
 /// the inertia terms include gravity.
-pub(crate) fn gel_loads(model: &Model, i: usize, pose: ObjectPose) -> Vec<DVec3> {
+pub(crate) fn gel_loads(model: &Model, i: usize, pose: Pose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
     let finger = &model.fingers[i];
@@ -342,7 +341,7 @@ fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
 
 /// Returns the weight of a free object at `pose`, if the scene has one. In a dynamic scene the inertia term includes
 /// gravity; in the world of an agent the load is set at every step.
-fn weight(model: &Model, pose: ObjectPose) -> Option<DeadForce> {
+fn weight(model: &Model, pose: Pose) -> Option<DeadForce> {
     let pulled = model.free && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some());
     let center = model.object.mass.center;
     let start = pose.position + pose.rotation * center;
@@ -351,7 +350,7 @@ fn weight(model: &Model, pose: ObjectPose) -> Option<DeadForce> {
 }
 
 /// Returns the forces of the push on an object that is at `pose` at first contact; all are inactive at first.
-fn push(model: &Model, pose: ObjectPose) -> Vec<DeadForce> {
+fn push(model: &Model, pose: Pose) -> Vec<DeadForce> {
     let Some(push) = &model.push else { return Vec::new() };
     let center = model.object.mass.center;
     let at = |(arm, force): (DVec3, DVec3)| {

@@ -4,6 +4,7 @@ use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::stepper::GraspSolver;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
+use geometry::{Pose, Wrench};
 use glam::DVec3;
 use mech::path::continuation::Methods;
 use mech::potential::edge::{EdgeReading, EdgeState};
@@ -69,7 +70,7 @@ pub fn read_state(
     for (finger, travel) in &fingers {
         state.travel[finger.0 as usize] = travel.0;
     }
-    (state.position, state.rotation) = (pose.position, pose.rotation);
+    (state.position, state.rotation) = (pose.0.position, pose.0.rotation);
 }
 
 /// Copies contact edges from their columns to the solver: active contacts and their friction anchors.
@@ -136,7 +137,7 @@ pub fn write_state(
     for (finger, mut travel) in &mut fingers {
         travel.0 = state.travel[finger.0 as usize];
     }
-    **pose = ObjectPose { position: state.position, rotation: state.rotation };
+    pose.0 = Pose { position: state.position, rotation: state.rotation };
 }
 
 /// Contact edges of every finger that are not open at the level just reached, in order.
@@ -189,7 +190,7 @@ pub fn measure_wrench(
     pool: Query<(&FingerIndex, &ContactEdge)>,
     mut fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &mut FingerWrench)>,
 ) {
-    let mut sums = vec![FingerWrench::default(); shared.0.fingers.len()];
+    let mut sums = vec![Wrench::ZERO; shared.0.fingers.len()];
     let carried = fingers.iter().map(|(f, closing, travel, _)| (f.0 as usize, closing.0 * travel.0));
     let origins: BTreeMap<usize, DVec3> =
         carried.map(|(f, carried)| (f, shared.0.fingers[f].placement.origin + carried)).collect();
@@ -202,7 +203,7 @@ pub fn measure_wrench(
         }
     }
     for (finger, _, _, mut wrench) in &mut fingers {
-        *wrench = sums[finger.0 as usize];
+        wrench.0 = sums[finger.0 as usize];
     }
 }
 

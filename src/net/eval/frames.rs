@@ -8,11 +8,11 @@ use base::error::Result;
 use dataset::inspect::frame;
 use dataset::{ObjectFile, StoredGrasp};
 use geometry::Pose;
+use geometry::Wrench;
 use glam::DVec3;
 use model::Model;
-use record::{Frame, PadFrame, Wrench};
+use record::{Frame, PadFrame};
 use std::sync::Arc;
-use world::components::ObjectPose;
 
 /// Returns the frames `wanted` of `grasp` as simulated by finite elements, and as predicted by `predictor` from first
 /// contact; `model` is that of `file`.
@@ -41,7 +41,7 @@ pub fn both(
 }
 
 /// Returns the prediction as a frame in hand axes.
-fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[PadState], object: ObjectPose) -> Frame {
+fn predicted(file: &ObjectFile, truth: &Frame, grasp: &StoredGrasp, states: &[PadState], object: Pose) -> Frame {
     let pads = file.sizes.pads;
     let pad = |(i, state): (usize, &PadState)| {
         let (pose, at) = (&file.pad_poses[i], truth.index * pads + i);

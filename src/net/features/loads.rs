@@ -7,6 +7,7 @@ use crate::linear_response::GraspLoad;
 use crate::linear_response::balance::{ObjectBalance, PadLoad};
 use crate::linear_response::projected_gradient::{ContactNode, LANES, projected_contact};
 use crate::linear_response::rigid_equilibrium::Rest;
+use geometry::Wrench;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -203,10 +204,8 @@ impl GraspFeatures {
             *closer / depth,
         ];
         let motion = shift.to_array().into_iter().chain(turn.to_array()).map(|v| v / depth);
-        let pull = self
-            .equilibrium
-            .load_about_centre(&load)
-            .map(|pull| (to_pad * pull / force).clamp_length_max(LARGEST_TANGENTIAL).to_array());
+        let Wrench { force: pull, torque: moment } = self.equilibrium.load_about_centre(&load);
+        let pull = [pull, moment].map(|pull| (to_pad * pull / force).clamp_length_max(LARGEST_TANGENTIAL).to_array());
         loads.pad.extend(row.into_iter().chain(motion).chain(pull.into_iter().flatten()).map(|v| v as f32));
         loads.pressing.push(force);
         loads.depth.push(depth);

@@ -18,11 +18,11 @@ use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{Layout, PadGraph};
 use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
 use crate::matrix::Sparse;
+use geometry::Pose;
 use glam::{DMat3, DVec3};
 use model::Model;
 use model::gripper::FingerPlacement;
 use std::sync::Arc;
-use world::components::ObjectPose;
 
 /// Sign change of a feature under the mirrors x -> -x and y -> -y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -205,7 +205,7 @@ struct View<'a> {
     placement: &'a FingerPlacement,
     /// Displacement of the pad since the hand was open.
     carried: DVec3,
-    object: ObjectPose,
+    object: Pose,
     inverse: DMat3,
     /// Rotation from the object frame to the pad frame.
     to_pad: DMat3,

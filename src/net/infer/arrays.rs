@@ -11,7 +11,6 @@ use model::Model;
 use model::sensors::Now;
 use rayon::prelude::*;
 use record::{ErrorBound, names};
-use world::components::ObjectPose;
 
 /// Calls `put` with name, shape and numbers of each available array of `answers` under `loads`, one at a time, since
 /// all of them may not fit in memory. Fields are in the frame of each pad: displacement and contact force (grasps,
@@ -54,7 +53,7 @@ pub fn each_array<E>(
     }
     put(names::TRAVEL, &of_pads, every_pad(&|pad| vec![pad.travel as f32]))?;
     let pose = |answer: &PredictedGrasp, state: &GraspState| {
-        let ObjectPose { position, rotation } = object_at(model, &answer.touch, &state.pads);
+        let Pose { position, rotation } = object_at(model, &answer.touch, &state.pads);
         Pose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;

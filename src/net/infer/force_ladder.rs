@@ -10,6 +10,7 @@ use super::answer::{Answer, combined};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::linear_response::{GraspLoad, around};
 use base::error::Result;
+use geometry::Wrench;
 use glam::DVec3;
 
 /// Number of forces; neighbours differ by a third if the largest force of an agent is seven times the smallest.
@@ -52,7 +53,10 @@ impl ForceInterpolation {
         let mut pushed = Vec::new();
         for (force, level) in PUSHED.iter().map(|rung| &rungs[*rung]) {
             pushed.push((*force, [*level, loads.len()]));
-            let along = |along: &DVec3| GraspLoad { force: *force, push: [*along * (push * force), DVec3::ZERO] };
+            let along = |along: &DVec3| GraspLoad {
+                force: *force,
+                push: Wrench { force: *along * (push * force), ..Wrench::ZERO },
+            };
             loads.extend(directions.iter().map(along));
         }
         let answer = predictor.answer(seen, &loads)?;

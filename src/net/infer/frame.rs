@@ -3,10 +3,11 @@
 use super::many::PredictedGrasp;
 use super::predict::PadState;
 use super::touch::object_at;
+use geometry::Pose;
 use glam::DVec3;
 use model::Model;
 use record::{Frame, PadFrame};
-use world::components::{ContactForce, ObjectPose};
+use world::components::ContactForce;
 use world::systems::{contact_area, slip};
 
 impl PredictedGrasp {
@@ -27,7 +28,7 @@ impl PredictedGrasp {
         })
     }
 
-    fn pad(&self, model: &Model, f: usize, state: &PadState, object: &ObjectPose) -> PadFrame {
+    fn pad(&self, model: &Model, f: usize, state: &PadState, object: &Pose) -> PadFrame {
         let finger = &model.fingers[f];
         let axes = finger.placement.rotation;
         let carried = finger.placement.closing * (self.touch.travel[f] + state.travel);

@@ -5,12 +5,13 @@ use super::touch::object_at;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::limit_surface::LimitSurface;
+use geometry::Wrench;
 use glam::DVec3;
 use model::Model;
 
 /// Returns true if weight or a push acts on the object of a grasp with first contact `touch`.
 pub fn pulls(touch: &GeometricContact, load: &GraspLoad) -> bool {
-    touch.weight != DVec3::ZERO || load.push != [DVec3::ZERO; 2]
+    touch.weight != DVec3::ZERO || load.push != Wrench::ZERO
 }
 
 /// Returns the remaining fraction of the friction limit under weight and push, in a state of a grasp with first contact
@@ -27,7 +28,7 @@ pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &
     let object = object_at(model, touch, &state.pads);
     let mass = object.position + object.rotation * model.object.mass.center;
     let surface = LimitSurface::new(finger.placement.closing, presses);
-    surface.margin(model.friction, touch.weight + load.push[0], mass, load.push[1])
+    surface.margin(model.friction, touch.weight + load.push.force, mass, load.push.torque)
 }
 
 /// Returns why a grasp with this [`hold`] is dropped; None if it is not.

@@ -12,6 +12,7 @@ use super::answer::{Answer, combined};
 use super::predict::{GraspState, Predictor, Seen};
 use crate::linear_response::GraspLoad;
 use base::error::Result;
+use geometry::Wrench;
 use glam::DVec3;
 use model::Model;
 use record::ErrorBound;
@@ -177,7 +178,7 @@ impl Ramp {
 /// Splits the loads into pieces: the squeeze while it `holds` the object, the squeeze after that, and the push under
 /// its last force.
 fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece> {
-    let pushed = |load: &GraspLoad| load.push != [DVec3::ZERO; 2];
+    let pushed = |load: &GraspLoad| load.push != Wrench::ZERO;
     let start = loads.iter().position(pushed).unwrap_or(loads.len());
     let rising = loads[..start].windows(2).all(|pair| pair[0].force < pair[1].force);
     let free = loads[..start].iter().position(|load| !holds(load)).unwrap_or(start);

@@ -7,9 +7,9 @@ use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::object_motion::moved;
 use crate::network::interval::ErrorIndicators;
+use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use world::components::ObjectPose;
 
 /// Pressing force of a node, over the largest, below which the node is not used to locate the object.
 const SMALLEST_FORCE: f64 = 1e-2;
@@ -40,7 +40,7 @@ fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
 }
 
 /// Returns the pose of the object in a state of the pads of a grasp with first contact `touch`.
-pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> ObjectPose {
+pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> Pose {
     let [shift, turn] = mean_motion(model, pads);
     if model.free { moved(model, &touch.object, shift, turn) } else { touch.object }
 }
@@ -79,7 +79,7 @@ pub(super) fn touched(
     }
     let ratio = |value: f64| value / depth.max(f64::MIN_POSITIVE);
     let [mismatch, hidden] = [mismatch, hidden].map(|sum| ratio(sum / f64::max(force, f64::MIN_POSITIVE)));
-    let pushed = load.push[0].length() + load.push[1].length();
+    let pushed = load.push.force.length() + load.push.torque.length();
     let signs = [
         1.0,
         (mismatch + LEAST).ln(),
@@ -96,7 +96,7 @@ pub(super) fn touched(
 const GAP_DIFFERENCE: usize = 26;
 
 /// Queries the object at the face nodes of pad `p` that are pressed or close to it.
-fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &ObjectPose) -> Vec<NearNode> {
+fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose) -> Vec<NearNode> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
     let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);

@@ -11,6 +11,7 @@
 use crate::matrix::Number;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use geometry::Wrench;
 use glam::{DMat3, DVec2, DVec3};
 
 /// Number of equations of balance, equal to the number of pulls and twists of two pads.
@@ -71,7 +72,7 @@ pub struct ObjectBalance {
 impl ObjectBalance {
     /// Creates the balance between `pads`; `pull` is the force and moment of the other loads on the object, about the
     /// origin.
-    pub fn new(pads: &[PadLoad; 2], pull: [DVec3; 2]) -> Self {
+    pub fn new(pads: &[PadLoad; 2], pull: Wrench) -> Self {
         let axes = pads.each_ref().map(|pad| {
             let [x, y, z] =
                 [pad.rotation.x_axis, pad.rotation.y_axis, pad.rotation.z_axis].map(|axis| axis * pad.force);
@@ -101,7 +102,7 @@ impl ObjectBalance {
             place: place.iter().map(|x| x.to_array().map(|v| v as f32)).collect(),
             modes: modes.iter().map(|m| m.map(|v| v as f32)).collect(),
             inverse: std::array::from_fn(|m| std::array::from_fn(|k| solved[(k, m)] as f32)),
-            load: std::array::from_fn(|k| pull[k / 3][k % 3] as f32),
+            load: std::array::from_fn(|k| pull.row()[k] as f32),
         }
     }
 

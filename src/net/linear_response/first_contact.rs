@@ -20,7 +20,7 @@ use world::schedule::Phase;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GeometricContact {
     /// Pose of the object.
-    pub object: ObjectPose,
+    pub object: Pose,
     /// Travel of each finger, m.
     pub travel: Vec<f64>,
     /// Weight of the object, N, hand frame; zero without gravity or for a fixed object.
@@ -77,7 +77,7 @@ impl GeometricContact {
             }
         }
         let world = environment.world_mut();
-        let object = *world.query::<&ObjectPose>().single(world).map_err(|e| Error::Start(e.to_string()))?;
+        let object = world.query::<&ObjectPose>().single(world).map_err(|e| Error::Start(e.to_string()))?.0;
         let fingers =
             world.query::<(&FingerIndex, &FingerTravel)>().iter(world).map(|(f, t)| (f.0, t.0)).collect::<Vec<_>>();
         Ok(Self::new(model, object, &fingers))
@@ -85,7 +85,7 @@ impl GeometricContact {
 
     /// Creates the contact from the columns of a world whose fingers have just closed: finger numbers with their
     /// travel.
-    pub fn new(model: &Model, object: ObjectPose, fingers: &[(u32, f64)]) -> Self {
+    pub fn new(model: &Model, object: Pose, fingers: &[(u32, f64)]) -> Self {
         let mut travel = vec![0.0; fingers.len()];
         fingers.iter().for_each(|(finger, t)| travel[*finger as usize] = *t);
         // First contact translates the object, but does not rotate it.

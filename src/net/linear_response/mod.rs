@@ -17,6 +17,7 @@ pub mod projected_gradient;
 mod refined_pad;
 pub mod rigid_equilibrium;
 
+use geometry::Wrench;
 use glam::DVec3;
 use model::Model;
 
@@ -25,8 +26,8 @@ use model::Model;
 pub struct GraspLoad {
     /// Force per finger, N.
     pub force: f64,
-    /// Push on the object in addition to its weight, hand frame: force on its centre of mass, N, and torque, N m.
-    pub push: [DVec3; 2],
+    /// Push on the object in addition to its weight, about its centre of mass, hand frame.
+    pub push: Wrench,
 }
 
 impl From<f64> for GraspLoad {
@@ -38,8 +39,8 @@ impl From<f64> for GraspLoad {
 impl GraspLoad {
     /// Returns the load in units of a force `unit` (N) and a length `thickness` (m).
     pub fn over(self, unit: f64, thickness: f64) -> Self {
-        let [force, torque] = self.push;
-        Self { force: self.force / unit, push: [force / unit, torque / (unit * thickness)] }
+        let Wrench { force, torque } = self.push;
+        Self { force: self.force / unit, push: Wrench { force: force / unit, torque: torque / (unit * thickness) } }
     }
 }
 

@@ -13,7 +13,7 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
-use super::layers::{Linear, Norm, share};
+use super::layers::{LayerNorm, LinearLayer, share};
 use super::{Forward, Inputs, Network, NetworkOutput, repeat};
 use crate::autodiff::ops::{Activation, apply, balanced, deviatoric_stress, displaced, respond, von_mises};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
@@ -30,51 +30,51 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct FaceNetwork {
     depths: usize,
-    start: Linear,
-    start_pad: Linear,
+    start: LinearLayer,
+    start_pad: LinearLayer,
     rounds: Vec<Round>,
-    last: Norm,
+    last: LayerNorm,
     pools: Pools,
-    node: [Linear; 3],
-    inner: Linear,
-    outer: Linear,
-    displacement: Linear,
-    scale: Linear,
-    stress: Linear,
-    factor: Linear,
-    contact: Linear,
-    pad: [Linear; 2],
-    middle: Linear,
-    travel: Linear,
-    motion: Linear,
+    node: [LinearLayer; 3],
+    inner: LinearLayer,
+    outer: LinearLayer,
+    displacement: LinearLayer,
+    scale: LinearLayer,
+    stress: LinearLayer,
+    factor: LinearLayer,
+    contact: LinearLayer,
+    pad: [LinearLayer; 2],
+    middle: LinearLayer,
+    travel: LinearLayer,
+    motion: LinearLayer,
 }
 
 /// Parameters of one round of message passing.
 #[derive(Debug)]
 struct Round {
-    norm: Norm,
-    edge: Linear,
-    sender: Linear,
-    receiver: Linear,
+    norm: LayerNorm,
+    edge: LinearLayer,
+    sender: LinearLayer,
+    receiver: LinearLayer,
     pools: Pools,
-    own: Linear,
-    messages: Linear,
-    global: Linear,
-    out: Linear,
+    own: LinearLayer,
+    messages: LinearLayer,
+    global: LinearLayer,
+    out: LinearLayer,
 }
 
 /// Layer on pooled features of a pad and of the other pad.
 #[derive(Debug)]
 struct Pools {
-    weights: [Linear; 4],
+    weights: [LinearLayer; 4],
 }
 
 impl Pools {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, latent: usize) -> Self {
         let [mean, bias] = ["mean", "bias"].map(|part| format!("{name}.{part}"));
-        let own = Linear::named(maker, [&mean, &bias], (latent, latent), 0.5);
+        let own = LinearLayer::named(maker, [&mean, &bias], (latent, latent), 0.5);
         let [near, other_mean, other_near] = ["near", "other_mean", "other_near"]
-            .map(|part| Linear::bare(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
+            .map(|part| LinearLayer::bare(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
         Self { weights: [own, near, other_mean, other_near] }
     }
 
@@ -96,20 +96,20 @@ impl FaceNetwork {
     /// Creates the network with initial values from `maker`.
     pub fn new<E: Real>(sizes: &Face, maker: &mut ParameterBuilder<E>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
-        let start = Linear::new(maker, "start.node", (NODE.len(), h), 1.0, 0.0);
-        let start_pad = Linear::bare(maker, "start.pad", (PAD.len(), h), 0.5);
+        let start = LinearLayer::new(maker, "start.node", (NODE.len(), h), 1.0, 0.0);
+        let start_pad = LinearLayer::bare(maker, "start.pad", (PAD.len(), h), 0.5);
         let rounds = (0..sizes.rounds.get()).map(|r| {
             let name = |part: &str| format!("round{r}.{part}");
             Round {
-                norm: Norm::new(maker, &name("norm"), h),
-                edge: Linear::new(maker, &name("edge"), (EDGE.len(), h), 0.7, 0.0),
-                sender: Linear::bare(maker, &name("sender"), (h, h), 0.7),
-                receiver: Linear::bare(maker, &name("receiver"), (h, h), 0.7),
+                norm: LayerNorm::new(maker, &name("norm"), h),
+                edge: LinearLayer::new(maker, &name("edge"), (EDGE.len(), h), 0.7, 0.0),
+                sender: LinearLayer::bare(maker, &name("sender"), (h, h), 0.7),
+                receiver: LinearLayer::bare(maker, &name("receiver"), (h, h), 0.7),
                 pools: Pools::new(maker, &name("pool"), h),
-                own: Linear::new(maker, &name("own"), (h, h), 0.7, 0.0),
-                messages: Linear::bare(maker, &name("messages"), (h, h), 0.7),
-                global: Linear::bare(maker, &name("global"), (h, h), 0.7),
-                out: Linear::new(maker, &name("out"), (h, h), 0.5, 0.0),
+                own: LinearLayer::new(maker, &name("own"), (h, h), 0.7, 0.0),
+                messages: LinearLayer::bare(maker, &name("messages"), (h, h), 0.7),
+                global: LinearLayer::bare(maker, &name("global"), (h, h), 0.7),
+                out: LinearLayer::new(maker, &name("out"), (h, h), 0.5, 0.0),
             }
         });
         Self {
@@ -117,28 +117,28 @@ impl FaceNetwork {
             start,
             start_pad,
             rounds: rounds.collect(),
-            last: Norm::new(maker, "last.norm", h),
+            last: LayerNorm::new(maker, "last.norm", h),
             pools: Pools::new(maker, "last.pool", h),
             node: [
-                Linear::named(maker, ["node.latent", "node.bias"], (h, d), 1.0),
-                Linear::bare(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
-                Linear::bare(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
+                LinearLayer::named(maker, ["node.latent", "node.bias"], (h, d), 1.0),
+                LinearLayer::bare(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
+                LinearLayer::bare(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
             ],
-            inner: Linear::new(maker, "node.inner", (d, d), 1.0, 0.0),
-            outer: Linear::new(maker, "node.outer", (d, d), 0.5, 0.0),
-            displacement: Linear::new(maker, "displacement", (d, 3 * depths), 0.01, 0.0),
-            scale: Linear::new(maker, "scale", (d, 3 * depths), 0.01, 1.0),
+            inner: LinearLayer::new(maker, "node.inner", (d, d), 1.0, 0.0),
+            outer: LinearLayer::new(maker, "node.outer", (d, d), 0.5, 0.0),
+            displacement: LinearLayer::new(maker, "displacement", (d, 3 * depths), 0.01, 0.0),
+            scale: LinearLayer::new(maker, "scale", (d, 3 * depths), 0.01, 1.0),
             // Initially the stress is almost that of the linear response: a small offset, and a factor of one.
-            stress: Linear::new(maker, "stress", (d, depths), 0.01, -2.0),
-            factor: Linear::new(maker, "factor", (d, depths), 0.01, 0.75),
-            contact: Linear::new(maker, "contact", (d, 3), 0.01, 0.0),
+            stress: LinearLayer::new(maker, "stress", (d, depths), 0.01, -2.0),
+            factor: LinearLayer::new(maker, "factor", (d, depths), 0.01, 0.75),
+            contact: LinearLayer::new(maker, "contact", (d, 3), 0.01, 0.0),
             pad: [
-                Linear::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0),
-                Linear::bare(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
+                LinearLayer::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0),
+                LinearLayer::bare(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
             ],
-            middle: Linear::new(maker, "pad.middle", (d, d), 1.0, 0.0),
-            travel: Linear::new(maker, "travel", (d, 1), 0.01, 0.0),
-            motion: Linear::new(maker, "motion", (d, 6), 0.01, 0.0),
+            middle: LinearLayer::new(maker, "pad.middle", (d, d), 1.0, 0.0),
+            travel: LinearLayer::new(maker, "travel", (d, 1), 0.01, 0.0),
+            motion: LinearLayer::new(maker, "motion", (d, 6), 0.01, 0.0),
         }
     }
 
@@ -207,7 +207,7 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
         let (given, bare) = linear_response(inputs, loads, contact.clone());
         // Interpolates the depth channels of the face to all nodes of the pads.
         let channels = levels * pads * face * self.depths;
-        let field = |map: &Arc<Sparse>, layer: Linear, act| {
+        let field = |map: &Arc<Sparse>, layer: LinearLayer, act| {
             let x = layer.activated(p, z.clone(), act);
             let width = x.shape().1 / self.depths;
             apply(map, x.reshape_like(&(channels, width)))

@@ -5,14 +5,14 @@ use crate::autodiff::ops::{Activation, layer_norm, linear};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 
-/// Linear layer `x W + b`, or `x W`.
+/// LinearLayer layer `x W + b`, or `x W`.
 #[derive(Debug, Clone, Copy)]
-pub struct Linear {
+pub struct LinearLayer {
     weight: Id,
     bias: Option<Id>,
 }
 
-impl Linear {
+impl LinearLayer {
     /// Creates the layer `name.weight` (rows, cols) and `name.bias`, with a gain for [`ParameterBuilder::weight`] and an
     /// initial bias.
     pub fn new<E: Real>(
@@ -66,12 +66,12 @@ impl Linear {
 
 /// Layer normalisation with a gain and a shift.
 #[derive(Debug, Clone, Copy)]
-pub struct Norm {
+pub struct LayerNorm {
     gain: Id,
     shift: Id,
 }
 
-impl Norm {
+impl LayerNorm {
     /// Creates the layer for rows of `cols` values, with the parameters `name.gain` and `name.shift`.
     pub fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, cols: usize) -> Self {
         let gain = maker.row(&format!("{name}.gain"), cols, 1.0);

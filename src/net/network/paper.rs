@@ -11,7 +11,7 @@
 //! paper: travel and motion of the object come from a head on the mean of `h` near the contact, contact forces from a
 //! layer on the face.
 
-use super::layers::{Linear, Norm, share};
+use super::layers::{LayerNorm, LinearLayer, share};
 use super::{Forward, Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::autodiff::ops::{Activation, apply};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
@@ -27,24 +27,24 @@ use dfdx::prelude::{HasShape, ReshapeTo};
 /// inputs are gathered at the edges.
 #[derive(Debug)]
 struct Mlp {
-    inputs: Vec<Linear>,
-    hidden: Linear,
-    out: Linear,
-    norm: Norm,
+    inputs: Vec<LinearLayer>,
+    hidden: LinearLayer,
+    out: LinearLayer,
+    norm: LayerNorm,
 }
 
 impl Mlp {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, inputs: &[usize], h: usize) -> Self {
         let gain = 2.0 / inputs.len() as f64;
         let [first, bias] = ["input0", "bias"].map(|part| format!("{name}.{part}"));
-        let mut all = vec![Linear::named(maker, [&first, &bias], (inputs[0], h), gain)];
+        let mut all = vec![LinearLayer::named(maker, [&first, &bias], (inputs[0], h), gain)];
         let others = inputs.iter().enumerate().skip(1);
-        all.extend(others.map(|(i, n)| Linear::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)));
+        all.extend(others.map(|(i, n)| LinearLayer::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)));
         Self {
             inputs: all,
-            hidden: Linear::new(maker, &format!("{name}.hidden"), (h, h), 2.0, 0.0),
-            out: Linear::new(maker, &format!("{name}.out"), (h, h), 1.0, 0.0),
-            norm: Norm::new(maker, name, h),
+            hidden: LinearLayer::new(maker, &format!("{name}.hidden"), (h, h), 2.0, 0.0),
+            out: LinearLayer::new(maker, &format!("{name}.out"), (h, h), 1.0, 0.0),
+            norm: LayerNorm::new(maker, name, h),
         }
     }
 
@@ -74,12 +74,12 @@ pub struct PaperNetwork {
     messages: [Mlp; 2],
     update: Mlp,
     decode: Mlp,
-    displacement: Linear,
-    stress: Linear,
-    contact: Linear,
+    displacement: LinearLayer,
+    stress: LinearLayer,
+    contact: LinearLayer,
     pooled: Mlp,
-    travel: Linear,
-    motion: Linear,
+    travel: LinearLayer,
+    motion: LinearLayer,
 }
 
 impl PaperNetwork {
@@ -93,13 +93,13 @@ impl PaperNetwork {
             messages: ["mesh", "contact"].map(|name| Mlp::new(maker, &format!("block.{name}"), &[h; 3], h)),
             update: Mlp::new(maker, "block.node", &[h; 3], h),
             decode: Mlp::new(maker, "decode", &[h], h),
-            displacement: Linear::new(maker, "displacement", (h, 3), 0.1, 0.0),
+            displacement: LinearLayer::new(maker, "displacement", (h, 3), 0.1, 0.0),
             // Stress is positive almost everywhere: a positive initial bias keeps its ReLU active.
-            stress: Linear::new(maker, "stress", (h, 1), 0.1, 1.0),
-            contact: Linear::new(maker, "contact", (h, 3), 0.1, 0.0),
+            stress: LinearLayer::new(maker, "stress", (h, 1), 0.1, 1.0),
+            contact: LinearLayer::new(maker, "contact", (h, 3), 0.1, 0.0),
             pooled: Mlp::new(maker, "pooled", &[h], h),
-            travel: Linear::new(maker, "travel", (h, 1), 0.1, 0.0),
-            motion: Linear::new(maker, "motion", (h, 6), 0.1, 0.0),
+            travel: LinearLayer::new(maker, "travel", (h, 1), 0.1, 0.0),
+            motion: LinearLayer::new(maker, "motion", (h, 6), 0.1, 0.0),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::autodiff::tensor::{Matrix, Rank0, Real, Tape, Tensor, matrix, row};
 use dfdx::prelude::{Axis, HasShape, MeanTo, ReshapeTo, SumTo};
 
 /// Single number, with the tape of its pass.
-pub type Scalar<E, T> = Tensor<Rank0, E, <E as Real>::Device, T>;
+pub type LossValue<E, T> = Tensor<Rank0, E, <E as Real>::Device, T>;
 
 /// Error below which the root is smoothed to a quadratic.
 const SMOOTH: f32 = 1e-3;
@@ -18,7 +18,7 @@ pub fn root_error<E: Real, T: Tape<E>>(
     target: Vec<f32>,
     weight: Vec<f32>,
     groups: usize,
-) -> Scalar<E, T> {
+) -> LossValue<E, T> {
     let (rows, cols) = *x.shape();
     assert!(rows.is_multiple_of(groups), "groups are alike");
     let target = matrix(rows, cols, target.into_iter().map(E::of).collect());

@@ -13,7 +13,7 @@ pub mod loss;
 pub mod sample;
 
 use self::frame_error::frame_error;
-use self::loss::Scalar;
+use self::loss::LossValue;
 use self::sample::Sample;
 use super::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, Values, gradients};
 use super::features::VERSION;
@@ -270,7 +270,7 @@ pub fn pass<E: Real, T: Tape<E>>(
     inputs: &Inputs<T>,
     training: &Training,
     sample: &Sample,
-) -> Scalar<E, T> {
+) -> LossValue<E, T> {
     let code = network.encode(parameters, inputs);
     let output = network.decode(parameters, inputs, &code, &sample.loads);
     sample.loss(output, inputs.normalisers, inputs.mirror, &training.weights)

@@ -1,6 +1,6 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use super::loss::{Scalar, root_error};
+use super::loss::{LossValue, root_error};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::rows;
@@ -15,7 +15,6 @@ use dataset::{ObjectFile, StoredGrasp};
 use geometry::Pose;
 use model::Model;
 use scene::from_ron;
-use world::components::ObjectPose;
 
 use std::sync::Arc;
 
@@ -121,7 +120,7 @@ impl Sample {
             }
             sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
             let Pose { position, rotation } = Pose::from_row(&data.object_pose[7 * k..]);
-            let now = ObjectPose { position, rotation };
+            let now = Pose { position, rotation };
             for finger in &model.fingers {
                 let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
                 sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
@@ -159,7 +158,7 @@ impl Sample {
         norms: &Normalisers,
         mirror: (bool, bool),
         weights: &[f32; 4],
-    ) -> Scalar<E, T> {
+    ) -> LossValue<E, T> {
         let (pads, levels, loads) = (self.features.pads, self.forces.len(), &self.loads);
         let depth = &loads.depth;
         let t = self.features.graph.thickness;

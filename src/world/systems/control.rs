@@ -16,7 +16,7 @@ pub fn place_object(
         return;
     }
     let start = grasp.0.inverse();
-    **pose = ObjectPose { position: start.position, rotation: start.rotation };
+    pose.0 = start;
     travel.iter_mut().for_each(|mut t| t.0 = 0.0);
     next.request(Phase::Close);
 }

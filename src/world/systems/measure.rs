@@ -3,8 +3,8 @@
 use crate::components::*;
 use crate::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
+use geometry::Wrench;
 use glam::DVec3;
-use record::Wrench;
 
 /// Loads on the object in addition to those of the pads.
 type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWrench>, Option<&'a InertialWrench>);
@@ -23,28 +23,28 @@ pub fn measure_balance(
     let model = &shared.0;
     let (pose, weight, ground, inertia) = *object;
     let weight = weight.map_or(DVec3::ZERO, |w| w.0);
-    let center = pose.position + pose.rotation * model.object.mass.center;
+    let center = pose.0.position + pose.0.rotation * model.object.mass.center;
     let (mut applied, mut worst, mut pushed, mut carried) = (0.0, 0.0_f64, 0.0, 0.0);
     let (mut force, mut torque) = (weight, DVec3::ZERO);
     let ground = ground.copied().unwrap_or_default();
     let inertia = inertia.copied().unwrap_or_default();
     if let Some(push) = &model.push {
-        let turn = pose.rotation * grasp.0.inverse().rotation.inverse();
+        let turn = pose.0.rotation * grasp.0.inverse().rotation.inverse();
         force += push.force * load.push;
         torque += push.torque_after(turn) * load.push;
     }
     balance.load = Wrench { force, torque };
-    force += ground.force + inertia.force;
-    torque += ground.torque + inertia.torque;
+    force += ground.0.force + inertia.0.force;
+    torque += ground.0.torque + inertia.0.torque;
     for (index, closing, travel, given, wrench) in &fingers {
-        let normal = -wrench.force.dot(closing.0);
+        let normal = -wrench.0.force.dot(closing.0);
         applied += given.0;
         carried += normal;
-        pushed += wrench.force.length();
+        pushed += wrench.0.force.length();
         worst = worst.max((given.0 - normal).abs());
-        force -= wrench.force;
+        force -= wrench.0.force;
         let origin = model.fingers[index.0 as usize].placement.origin + closing.0 * travel.0;
-        torque -= wrench.torque + (origin - center).cross(wrench.force);
+        torque -= wrench.0.torque + (origin - center).cross(wrench.0.force);
     }
     let unbalanced = match (model.free, &model.dynamics) {
         (true, _) if balance.object_fixed => (applied - carried).abs(),
@@ -60,7 +60,7 @@ pub fn measure_balance(
     // In a quasi-static scene the fingers' force is the scale, however heavy the object.
     let scale = match model.dynamics {
         None => applied,
-        Some(_) => applied + weight.length() + ground.force.length() + pushed,
+        Some(_) => applied + weight.length() + ground.0.force.length() + pushed,
     };
     *balance = BalanceReport {
         load: balance.load,
@@ -104,11 +104,11 @@ pub fn measure_gap(
     for (index, closing, travel) in &fingers {
         carried[index.0 as usize] = closing.0 * travel.0;
     }
-    let (inverse, distance) = (object.rotation.inverse(), &shared.0.object.distance);
+    let (inverse, distance) = (object.0.rotation.inverse(), &shared.0.object.distance);
     for (finger, position, mut gap) in nodes.contiguous_iter_mut().expect(TABLES) {
         let gap = gap.bypass_change_detection();
         for (f, rows) in rows_by_pad(finger) {
-            let place = |x: &Position| inverse * (x.0 + carried[f] - object.position);
+            let place = |x: &Position| inverse * (x.0 + carried[f] - object.0.position);
             let pairs = gap[rows.clone()].iter_mut().zip(&position[rows]);
             pairs.for_each(|(gap, x)| gap.0 = distance.distance(place(x)));
         }

@@ -4,7 +4,7 @@ use crate::components::*;
 use crate::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use record::{Frame, Moving, PadFrame, Wrench};
+use record::{Frame, Moving, PadFrame};
 
 /// Node columns of a frame; optional ones are None if the scene does not need them.
 type Nodes<'a> = (
@@ -52,7 +52,7 @@ pub fn record_frame(
         let f = finger.0 as usize;
         travel[f] = now.0 - first.0;
         carried[f] = closing.0 * now.0;
-        pads[f].wrench = Wrench { force: wrench.force, torque: wrench.torque };
+        pads[f].wrench = wrench.0;
         pads[f].contact_area = area.map_or(0.0, |area| area.0);
     }
     for (finger, rest, position, stress, force, gap, slip) in nodes.contiguous_iter().expect(TABLES) {
@@ -82,13 +82,13 @@ pub fn record_frame(
     let moving = hand.iter().next().map(|hand| {
         let (velocity, momentum) = motion.map_or_else(Default::default, |(v, m)| (*v, *m));
         Moving {
-            hand_position: hand.position,
-            hand_rotation: hand.rotation,
+            hand_position: hand.0.position,
+            hand_rotation: hand.0.rotation,
             velocity: velocity.linear,
             spin: velocity.angular,
             momentum: momentum.linear,
             angular_momentum: momentum.angular,
-            ground_force: ground.map_or(DVec3::ZERO, |g| hand.rotation * g.force),
+            ground_force: ground.map_or(DVec3::ZERO, |g| hand.0.rotation * g.0.force),
         }
     });
     recorded.0 = Some(Frame {
@@ -96,8 +96,8 @@ pub fn record_frame(
         applied_force: balance.applied,
         time: if moving.is_some() { load.level } else { 0.0 },
         travel,
-        object_position: object.position,
-        object_rotation: object.rotation,
+        object_position: object.0.position,
+        object_rotation: object.0.rotation,
         object_load: balance.load,
         pads,
         moving,

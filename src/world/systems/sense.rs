@@ -4,6 +4,7 @@ use crate::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
 use crate::schedule::{Next, Phase, Shared};
 use crate::systems::apart::overlap;
 use bevy_ecs::prelude::*;
+use geometry::Pose;
 use glam::{DMat3, DVec3};
 use model::Model;
 use model::gripper::{Approach, approach};
@@ -26,7 +27,7 @@ pub fn close_to_contact(
     }
     let model = &shared.0;
     if let Some(dynamics) = &model.dynamics {
-        let meets = if dynamics.squeezes() { close_together(model, &pose) } else { Ok(0.0) };
+        let meets = if dynamics.squeezes() { close_together(model, &pose.0) } else { Ok(0.0) };
         let apart = |t| keep_apart(model, &vec![t; model.fingers.len()]).map(|()| t);
         match meets.and_then(apart) {
             Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
@@ -36,12 +37,12 @@ pub fn close_to_contact(
     }
     let mut travel = Vec::new();
     for index in 0..model.fingers.len() {
-        match first_contact(model, index, &pose, model.offset) {
+        match first_contact(model, index, &pose.0, model.offset) {
             Ok(t) => travel.push(t),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
     }
-    pose.position += center(model, &mut travel);
+    pose.0.position += center(model, &mut travel);
     if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
         let (t, stroke) = (t * 1e3, model.stroke * 1e3);
         let name = pad_name(index);
@@ -89,7 +90,7 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
 }
 
 /// Returns the common travel of geared fingers until the first pad touches the object.
-fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
+fn close_together(model: &Model, pose: &Pose) -> Result<f64, String> {
     let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.offset));
     each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
 }
@@ -99,7 +100,7 @@ fn close_together(model: &Model, pose: &ObjectPose) -> Result<f64, String> {
 /// # Errors
 /// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message
 /// states which.
-pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: f64) -> Result<f64, String> {
+pub fn first_contact(model: &Model, index: usize, pose: &Pose, clearance: f64) -> Result<f64, String> {
     let finger = &model.fingers[index];
     let met = approach(
         &finger.surface,
@@ -138,7 +139,7 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
 }
 
 /// Returns the signed distance of the object from the point midway between the pads of the open hand, m.
-fn distance_from_middle(model: &Model, finger: &FingerModel, pose: &ObjectPose) -> f64 {
+fn distance_from_middle(model: &Model, finger: &FingerModel, pose: &Pose) -> f64 {
     let middle = finger.placement.origin + 0.5 * model.opening * finger.placement.closing;
     model.object.distance.distance(pose.rotation.conjugate() * (middle - pose.position))
 }

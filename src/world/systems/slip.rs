@@ -4,6 +4,7 @@ use crate::components::*;
 use crate::schedule::Shared;
 use crate::systems::contact_area::pressed;
 use bevy_ecs::prelude::*;
+use geometry::Pose;
 use geometry::face_lookup::FaceLookup;
 use glam::DVec3;
 use mech::contact::coulomb::tangential;
@@ -47,7 +48,7 @@ pub fn measure_slip(
                 edges.for_each(|(edges, friction)| by_points((model, f), carried[f], x, edges, friction, own));
             } else {
                 let x = x.iter().map(|x| x.0 + carried[f]);
-                let parts = by_nodes((model, f), x, &force[rows], &object);
+                let parts = by_nodes((model, f), x, &force[rows], &object.0);
                 own.iter_mut().zip(parts).for_each(|(own, part)| own.0 = part);
             }
         }
@@ -60,7 +61,7 @@ pub fn by_nodes(
     (model, f): (&Model, usize),
     x: impl Iterator<Item = DVec3>,
     force: &[ContactForce],
-    object: &ObjectPose,
+    object: &Pose,
 ) -> Vec<f64> {
     let back = object.rotation.inverse();
     let pressed = pressed(force, model.fingers[f].placement.closing, PRESSED);

@@ -26,6 +26,7 @@ pub use term::CondensedEnergy;
 use base::error;
 use base::saved_state::{StateReader, StateWriter};
 use base::scales::FIRST_DEPTH;
+use geometry::Pose;
 use glam::DVec3;
 use mech::newton::Failure;
 use mech::path::continuation::PadDiscretisation;
@@ -35,7 +36,6 @@ use mech::potential::term::Stencil;
 use model::Model;
 use rayon::prelude::*;
 use std::time::Instant;
-use world::components::ObjectPose;
 
 /// The condensed pads of one grasp.
 pub struct Condensation {
@@ -279,7 +279,7 @@ impl PadDiscretisation for CondensedPads<'_> {
 
 /// Returns the number of nodes that each pad would be condensed onto at first contact, with the object at `pose` and
 /// the fingers at `travel` (m).
-pub fn nodes_at_contact(model: &Model, pose: &ObjectPose, travel: &[f64]) -> Vec<usize> {
+pub fn nodes_at_contact(model: &Model, pose: &Pose, travel: &[f64]) -> Vec<usize> {
     // Only the positions of the pads matter here.
     let closing = model.fingers.iter().map(|f| f.placement.closing).collect();
     let rigid = RigidUnknowns { closing, ..RigidUnknowns::none(model.fingers.len()) };
@@ -317,7 +317,7 @@ mod tests {
                     loading: Squeeze(force: 6.0), stepper: Fem())";
         let scene = from_ron(text).unwrap();
         let (model, place) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap()[0].inverse());
-        let pose = ObjectPose { position: place.position, rotation: place.rotation };
+        let pose = Pose { position: place.position, rotation: place.rotation };
         let scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
         let mut solver = GraspSolver::new(&model, pose, settings).unwrap();
         solver.back_off(&model).unwrap();

@@ -3,6 +3,7 @@
 use super::integrator::Integrator;
 use crate::fem::stepper::GraspSolver;
 use bevy_ecs::prelude::*;
+use geometry::Wrench;
 use world::components::*;
 use world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
 
@@ -42,7 +43,7 @@ pub fn measure_motion(
     mut object: Query<(&mut ObjectVelocity, &mut ObjectMomentum, &mut InertialWrench, Option<&mut ObjectWeight>)>,
 ) {
     let at = integrator.hand.pose;
-    **hand = HandPose { position: at.position, rotation: at.rotation };
+    hand.0 = at;
     let Some(inertia) = &solver.path.newton.object.inertia else { return };
     let back = at.rotation.conjugate();
     for (mut velocity, mut momentum, mut wrench, weight) in &mut object {
@@ -50,7 +51,7 @@ pub fn measure_motion(
         let (linear, angular) = inertia.momenta();
         *momentum = ObjectMomentum { linear, angular };
         let (force, torque) = inertia.inertial_wrench();
-        *wrench = InertialWrench { force: back * force, torque: back * torque };
+        wrench.0 = Wrench { force: back * force, torque: back * torque };
         if let Some(mut weight) = weight {
             weight.0 = back * inertia.weight();
         }
@@ -68,6 +69,6 @@ pub fn measure_ground(
     let Some(ground) = &newton.object.ground else { return };
     let center = state.position + state.rotation * shared.0.object.mass.center;
     let (force, torque) = ground.wrench(&state.object_view(&newton.rigid), center);
-    object.iter_mut().for_each(|mut wrench| *wrench = GroundWrench { force, torque });
+    object.iter_mut().for_each(|mut wrench| wrench.0 = Wrench { force, torque });
     report.min_gap = report.min_gap.min(ground.min_gap());
 }

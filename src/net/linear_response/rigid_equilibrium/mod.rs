@@ -14,10 +14,10 @@ mod step;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::linear_response::{GraspLoad, amid, around};
+use geometry::{Pose, Wrench};
 use glam::{DMat3, DQuat, DVec3};
 use model::Model;
 use std::sync::Arc;
-use world::components::ObjectPose;
 
 /// Force of each step of the path over that of the previous one.
 const STEP: f64 = 1.5;
@@ -181,21 +181,22 @@ impl RigidEquilibrium {
             let all: f64 = rest.force.iter().map(resists).sum();
             return if all > 0.0 { fingers * load.force * resists(&rest.force[finger]) / all } else { load.force };
         }
-        let share = self.load_about_centre(load)[0].dot(self.fingers[finger].closing) / fingers;
+        let share = self.load_about_centre(load).force.dot(self.fingers[finger].closing) / fingers;
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
     }
 
     /// Returns the force and moment of weight and push on the object, about its centre of mass.
-    pub fn load_about_centre(&self, load: &GraspLoad) -> [DVec3; 2] {
+    pub fn load_about_centre(&self, load: &GraspLoad) -> Wrench {
         let weight = if self.holds(load) { DVec3::ZERO } else { self.weight[0] };
-        [weight + load.push[0], load.push[1]]
+        Wrench { force: weight + load.push.force, torque: load.push.torque }
     }
 
     /// Returns the force and moment of weight and push on the object at `rest`, about the point midway between the
     /// pads.
-    pub fn load_about_midpoint(&self, rest: &Rest, load: &GraspLoad) -> [DVec3; 2] {
-        let ([force, torque], center) = (self.load_about_centre(load), rest.rotation * self.weight[1] + rest.shift);
-        [force, torque + center.cross(force)]
+    pub fn load_about_midpoint(&self, rest: &Rest, load: &GraspLoad) -> Wrench {
+        let (Wrench { force, torque }, center) =
+            (self.load_about_centre(load), rest.rotation * self.weight[1] + rest.shift);
+        Wrench { force, torque: torque + center.cross(force) }
     }
 
     /// Returns the state under `load`: interpolated between two states of the path, then pushed.
@@ -205,7 +206,7 @@ impl RigidEquilibrium {
             (None, Some((most, last))) if *most < load.force => self.follow(last, &load.force.into()).0,
             _ => self.path[0].1.clone(),
         };
-        if load.push == [DVec3::ZERO; 2] || !self.free { squeezed } else { self.pushed(&squeezed, load) }
+        if load.push == Wrench::ZERO || !self.free { squeezed } else { self.pushed(&squeezed, load) }
     }
 
     /// Returns the equilibrium under a force, with the object queried there: solution and query alternate until the
@@ -318,7 +319,7 @@ impl RigidEquilibrium {
 /// Object in its pose at first contact.
 struct Object<'a> {
     model: &'a Model,
-    pose: ObjectPose,
+    pose: Pose,
     amid: DVec3,
     thickness: f64,
 }

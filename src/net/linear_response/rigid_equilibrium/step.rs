@@ -12,6 +12,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par};
+use geometry::Wrench;
 use glam::{DQuat, DVec3};
 use mech::contact::coulomb::{kept, tangential};
 use rayon::prelude::*;
@@ -202,7 +203,7 @@ impl RigidEquilibrium {
                 right[5 + a] -= before.twist[p] * closing[a];
             }
         }
-        let [force, torque] = self.load_about_centre(load);
+        let Wrench { force, torque } = self.load_about_centre(load);
         let torque = torque + (before.rotation * self.weight[1]).cross(force);
         for k in 0..3 {
             right[2 + k] += force[k];
