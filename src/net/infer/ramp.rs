@@ -284,7 +284,7 @@ mod tests {
         let along: Vec<f64> = (0..50).map(|k| f64::from(1 + k).sqrt()).collect();
         let few = evenly(&(0..50), &along);
         assert_eq!((few[0], few[1], few[few.len() - 1]), (0, 2, 49), "{few:?}");
-        let load = |force: f64, push: f64| GraspLoad { force, push: [DVec3::X * push, DVec3::ZERO] };
+        let load = |force: f64, push: f64| GraspLoad { force, push: Wrench { force: DVec3::X * push, ..Wrench::ZERO } };
         let loads = [load(1.0, 0.0), load(2.0, 0.0), load(2.0, 0.5), load(2.0, 1.0)];
         let ranges = |release: f64| {
             let held = |load: &GraspLoad| load.force < release;
