@@ -4,6 +4,7 @@ use dfdx::prelude::{HasShape, PutTape, ReshapeTo, TryMatMul};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 use tactus::base::random::Random;
+use tactus::geometry::Wrench;
 use tactus::net::autodiff::ops::{
     Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, respond, von_mises,
 };
@@ -117,7 +118,7 @@ fn balances() {
             PadLoad { force, rotation, nodes: (0..4).map(|_| node()).collect() }
         };
         let pads = [pad(-3.0, DMat3::from_rotation_y(1.5)), pad(3.0, DMat3::from_rotation_y(-1.6))];
-        Arc::new(ObjectBalance::new(&pads, [DVec3::new(0.1, 0.2, 0.3), DVec3::Y]))
+        Arc::new(ObjectBalance::new(&pads, Wrench { force: DVec3::new(0.1, 0.2, 0.3), torque: DVec3::Y }))
     };
     let two = [balance(0.5), balance(2.0)];
     for mirror in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {

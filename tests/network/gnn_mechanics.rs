@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::geometry::Pose;
+use tactus::geometry::Wrench;
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::model::part::FingerModel;
@@ -158,7 +159,8 @@ fn friction_takes_up_what_pressure_leaves_over() {
                 }
             }
             let (load, force) = (loads.load[level], loads.load[level].force);
-            let [weight, torque] = features.equilibrium.load_about_midpoint(&features.equilibrium.rest(&load), &load);
+            let Wrench { force: weight, torque } =
+                features.equilibrium.load_about_midpoint(&features.equilibrium.rest(&load), &load);
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
             // Torsional friction about the closing axis is limited.
