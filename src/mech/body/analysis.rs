@@ -2,8 +2,8 @@
 //! need it.
 
 use super::cholesky::Symbolic;
-use super::pattern::{Pattern, Slot};
 use super::elements::Elements;
+use super::pattern::{Pattern, Slot};
 use base::error::{Error, Result};
 use std::sync::{Arc, OnceLock};
 
