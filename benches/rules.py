@@ -30,9 +30,9 @@ FACTS = "BULGE TIE NOWHERE ALONG ARC ROUNDING START PER_STEP STILL".split()
 OFF = {
     "step_size.HARD": "1000000", "lagging.SWINGING": "1000000", "solve.STRIDE": "1e9",
     "solve.BALANCED": "-1e9", "solve.WHOLE": "0", "direction.VECTORS": "0",
-    "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "path.LOOSE": "1",
+    "continuation.GROWTH": "1e9", "path_error.SHORTEST": "0;0", "pseudo_time.LOOSE": "1",
     "pseudo_time.WARY": "0", "pseudo_time.WAITS": "1e9", "law.STIFFENING": "1", "law.LEAST": "-1e9", "law.REDUCED_OFFSET": "1",
-    "stepper.CONDENSED_TOLERANCE": "0", "scales.COMPLETE_HESSIAN_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_HYSTERESIS": "0",
+    "solver.CONDENSED_TOLERANCE": "0", "scales.COMPLETE_HESSIAN_MOTION": "0", "scales.MIDDLE_CUT": "1e9", "scales.FACE_HYSTERESIS": "0",
 }
 PROGRAM = "tactus-rules"
 KIND = r"f64|u32|u64|usize|\[f64; ?\d+\]"

@@ -1,8 +1,9 @@
 //! Table of references: values of single grasps with error estimates from a mesh refinement study.
 
-use super::contest::{RefinementRun, Rules};
+use super::contest::RefinementRun;
 use super::ladder::{ErrorEstimate, RefinementStudy, Role};
-use super::report::QuantityName;
+use super::quantity::QuantityName;
+use super::rules::Rules;
 use super::sweep::Sweep;
 use super::values::FrameValues;
 use base::error::{Error, Result};

@@ -1,90 +1,19 @@
 //! Comparison of all configurations on the same grasps. Repetitions are interleaved, so that other load on the machine
 //! affects all configurations alike.
 
-use super::clock::{peak_memory, processor_time, reset_peak_memory};
+pub use super::entry::{BenchEntry, Prepared, add_stages};
 use super::ladder::{self, Member, RefinementStudy, Role, Tally};
 use super::report::BenchReport;
-use super::sweep::{Configuration, Sweep};
+pub use super::rules::Rules;
+use super::sweep::Sweep;
 use super::values::{FrameValues, values};
-use backend::choose;
 use base::error::{Error, Result};
-use base::interrupt;
-use base::stats::median;
 use geometry::Pose;
 use model::Model;
 use model::grasp::poses_of;
-use record::error_norm::{Distance, FieldInterpolation, Fields, Points};
-use record::{Frame, Status};
+use record::error_norm::{Fields, Points};
 use scene::Scene;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
-use world::Stepper;
-use world::environment::Environment;
-use world::run::{Observer, Outcome, run_grasp};
-
-/// Settings of a comparison.
-#[derive(Debug, Clone, Copy)]
-pub struct Rules {
-    /// Number of grasps, evenly spread over those of the scene; all if there are fewer.
-    pub grasps: usize,
-    /// Number of threads of each grasp; grasps run one at a time.
-    pub threads: usize,
-    /// Number of repetitions of each grasp by each configuration; times are medians.
-    pub repeats: usize,
-    /// Number of levels of the mesh refinement sequence from which the error of the reference is estimated.
-    pub rungs: usize,
-}
-
-/// Configuration with its results.
-#[derive(Debug)]
-pub struct BenchEntry {
-    /// Configuration of the entry.
-    pub configuration: Configuration,
-    /// Model and backend; None while they are not loaded.
-    pub prepared: Option<Prepared>,
-    /// Wall time of the set-up and of the first simulation after it, s.
-    pub cold_s: f64,
-    /// Wall time of each repetition by grasp, s, without the time for recording frames.
-    pub wall_s: BTreeMap<usize, Vec<f64>>,
-    /// Processor time of all threads by grasp, s.
-    pub processor_s: BTreeMap<usize, Vec<f64>>,
-    /// Wall time by stage, all repetitions, s.
-    pub stages: BTreeMap<&'static str, f64>,
-    /// Number of Newton iterations or decoder passes, all repetitions.
-    pub iterations: u64,
-    /// Number of frames, all repetitions.
-    pub frames: usize,
-    /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
-    pub peak_memory: Option<u64>,
-    /// Errors, one per grasp and frame from a fifth of the load on.
-    pub errors: Vec<Distance>,
-    /// Grasps that did not reach their load, with the reason.
-    pub failed: Vec<String>,
-}
-
-/// Configuration with its loaded model and backend.
-#[derive(Debug)]
-pub struct Prepared {
-    /// Model of its scene.
-    pub model: Arc<Model>,
-    /// Backend of the configuration.
-    pub stepper: Box<dyn Stepper>,
-    probe: FieldInterpolation,
-    setup_s: f64,
-}
-
-/// Observer that keeps the frames of a grasp.
-#[derive(Default)]
-struct Keep(Mutex<Vec<Frame>>);
-
-impl Observer for Keep {
-    fn frame(&self, _index: usize, frame: &Frame) -> Result<()> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(frame.clone());
-        Ok(())
-    }
-}
 
 /// Compares the settings around those of `scene` and the networks in `models`; `progress` is called for every
 /// simulation.
@@ -247,121 +176,4 @@ fn sample(poses: &[Pose], wanted: usize) -> Vec<(usize, Pose)> {
     let count = wanted.clamp(1, poses.len().max(1));
     let numbers = (0..count).map(|i| i * poses.len() / count);
     numbers.filter_map(|i| poses.get(i).map(|p| (i, *p))).collect()
-}
-
-impl BenchEntry {
-    fn new(configuration: Configuration) -> Self {
-        Self {
-            configuration,
-            prepared: None,
-            cold_s: f64::NAN,
-            wall_s: BTreeMap::new(),
-            processor_s: BTreeMap::new(),
-            stages: BTreeMap::new(),
-            iterations: 0,
-            frames: 0,
-            peak_memory: None,
-            errors: Vec::new(),
-            failed: Vec::new(),
-        }
-    }
-
-    /// Measures the peak memory of a simulation up to the first frame, while no other configuration is loaded.
-    fn measure_memory(&mut self, pose: Pose) -> Result<()> {
-        let known = reset_peak_memory();
-        let scene = &self.configuration.scene;
-        let (model, stepper) = (Model::build(scene)?, choose(scene)?);
-        let mut environment = Environment::new(&model, stepper.as_ref(), pose)?;
-        while environment.frame().is_none() && !environment.step().is_final() {}
-        interrupt::check()?;
-        self.peak_memory = peak_memory().filter(|_| known);
-        Ok(())
-    }
-
-    /// Simulates a grasp on `pool`; returns the fields of its frames at the first repetition, otherwise or on failure
-    /// nothing.
-    fn run(&mut self, pool: &rayon::ThreadPool, index: usize, pose: Pose, points: &Points) -> Result<Vec<Fields>> {
-        let frames = self.simulate(pool, index, pose, points)?;
-        Ok(self.fields(&frames))
-    }
-
-    /// Returns the fields of frames.
-    fn fields(&self, frames: &[Frame]) -> Vec<Fields> {
-        let probe = self.prepared.as_ref().map(|p| &p.probe);
-        probe.map_or_else(Vec::new, |probe| frames.iter().map(|f| probe.fields(f)).collect())
-    }
-
-    /// Simulates a grasp on `pool`; returns its frames at the first repetition, otherwise or on failure nothing.
-    fn simulate(&mut self, pool: &rayon::ThreadPool, index: usize, pose: Pose, points: &Points) -> Result<Vec<Frame>> {
-        let first = !self.wall_s.contains_key(&index);
-        let (cold, prepared) = match self.prepared.take() {
-            Some(prepared) => (false, self.prepared.insert(prepared)),
-            None => (true, self.prepared.insert(Prepared::new(&self.configuration, points, pose)?)),
-        };
-        let (keep, before) = (Keep::default(), processor_time());
-        let outcome = pool.install(|| run_grasp(&prepared.model, prepared.stepper.as_ref(), index, pose, &keep))?;
-        let processor = processor_time().zip(before).map(|(now, before)| now - before);
-        let wall = outcome.summary.wall_s - outcome.timings.stages.get("record").copied().unwrap_or(0.0);
-        if cold {
-            self.cold_s = prepared.setup_s + wall;
-        }
-        if outcome.summary.status != Status::Reached {
-            if first {
-                self.wall_s.insert(index, Vec::new());
-                self.failed.push(format!("grasp {index}: {}", outcome.summary.reason.unwrap_or_default()));
-            }
-            return Ok(Vec::new());
-        }
-        self.wall_s.entry(index).or_default().push(wall);
-        self.processor_s.entry(index).or_default().extend(processor);
-        self.iterations += outcome.timings.iterations;
-        self.frames += outcome.summary.frames;
-        add_stages(&mut self.stages, &outcome);
-        let frames = keep.0.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok(if first { frames } else { Vec::new() })
-    }
-
-    /// Adds the errors of the frames of a grasp against those of the reference; either list may be empty.
-    fn judge(&mut self, points: &Points, own: &[Fields], truth: &[Fields]) {
-        if let Some(prepared) = &self.prepared {
-            self.errors.extend(ladder::distances(points, &prepared.model.levels, own, truth));
-        }
-    }
-
-    /// Returns the wall time of a grasp, s: median over the repetitions, then over the grasps.
-    pub fn time_per_grasp(&self) -> f64 {
-        medians(&self.wall_s)
-    }
-
-    /// Returns the processor time of a grasp, s: median over the repetitions, then over the grasps.
-    pub fn processor_time_per_grasp(&self) -> Option<f64> {
-        Some(medians(&self.processor_s)).filter(|t| t.is_finite())
-    }
-}
-
-fn medians(turns: &BTreeMap<usize, Vec<f64>>) -> f64 {
-    median(turns.values().filter(|t| !t.is_empty()).map(|t| median(t.iter().copied())))
-}
-
-/// Adds the time by stage of a grasp, without the time for recording frames, which only the bench needs.
-pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
-    for (stage, seconds) in outcome.timings.stages.iter().filter(|(stage, _)| **stage != "record") {
-        *stages.entry(stage).or_insert(0.0) += seconds;
-    }
-}
-
-impl Prepared {
-    fn new(configuration: &Configuration, points: &Points, pose: Pose) -> Result<Self> {
-        let clock = Instant::now();
-        let (mut model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);
-        if let Some(model) = Arc::get_mut(&mut model) {
-            // Smallest det F and gap of predictions are not used here.
-            model.needs.shape = false;
-        }
-        // Cached data of the pads are loaded once, as part of the set-up.
-        drop(Environment::new(&model, stepper.as_ref(), pose)?);
-        let setup_s = clock.elapsed().as_secs_f64();
-        let probe = FieldInterpolation::new(points, &model.fingers[0].topology);
-        Ok(Self { model, stepper, probe, setup_s })
-    }
 }

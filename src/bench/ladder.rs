@@ -10,7 +10,7 @@
 //! two distances or the path error are inconsistent.
 
 use super::density::{coarser, other_kind};
-use super::report::{QUANTITIES, QuantityName};
+use super::quantity::{QUANTITIES, QuantityName};
 use super::sweep::{Configuration, Sweep};
 use base::error::Result;
 use base::stats::median;

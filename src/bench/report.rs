@@ -1,19 +1,17 @@
 //! Report of a comparison: a point per configuration, the Pareto front, the speed-up at equal error.
 
-use super::contest::{BenchEntry, Rules};
+use super::entry::BenchEntry;
 use super::front::{Competitor, time_at};
 use super::ladder::RefinementStudy;
+use super::quantity::Quantity;
+pub use super::quantity::{QUANTITIES, QuantityName};
+use super::rules::Rules;
 use base::stats::Spread;
-use record::error_norm::Distance;
 use serde::{Deserialize, Deserializer, Serialize};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Name of the finite-element backend.
 const FEM: &str = "fem";
-
-/// Name of a quantity or a stage; owned if read from `bench.json`.
-pub type QuantityName = Cow<'static, str>;
 
 /// Time and error of one configuration. Times are wall times unless stated otherwise; relative errors have no unit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -95,19 +93,6 @@ const PUBLISHED: [f64; 2] = [120.0, 420.0];
 fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
-
-/// Name of a quantity, and the function that reads it.
-type Quantity = (&'static str, fn(&Distance) -> f64);
-
-/// Quantities that are compared; a name without unit is relative.
-pub const QUANTITIES: [Quantity; 6] = [
-    ("displacement", |e| e.displacement),
-    ("stress", |e| e.stress),
-    ("force", |e| e.force),
-    ("travel", |e| e.travel),
-    ("displacement_max_m", |e| e.displacement_max_m),
-    ("stress_max_pa", |e| e.stress_max_pa),
-];
 
 /// Report of a comparison.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -1,8 +1,8 @@
 //! Cost against mesh size: one grasp with pads of increasing numbers of nodes.
 
 use super::clock::{peak_memory, processor_time, reset_peak_memory};
-use super::contest::add_stages;
 use super::density::{coarser, describe, nodes};
+use super::entry::add_stages;
 use backend::choose;
 use base::error::{Error, Result};
 use base::stats::median;

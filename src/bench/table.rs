@@ -1,7 +1,8 @@
 //! Text and CSV reports of a comparison.
 
 use super::ladder::RefinementStudy;
-use super::report::{BenchReport, Point, QUANTITIES};
+use super::quantity::QUANTITIES;
+use super::report::{BenchReport, Point};
 use std::fmt::Write;
 
 /// Returns the table, the profiles and the speed-ups as text.

@@ -1,6 +1,6 @@
 //! Scalar values of a frame that are independent of its mesh, for the table of references.
 
-use super::report::QuantityName;
+use super::quantity::QuantityName;
 use glam::DVec3;
 use model::Model;
 use model::part::FingerModel;

@@ -1,6 +1,6 @@
 //! Load levels of a grasp: first contact if needed, the load, and the fall-back from condensed to full pads.
 
-use super::stepper::GraspSolver;
+use super::solver::GraspSolver;
 use base::scales::DROP_DISTANCE;
 use geometry::Pose;
 use glam::DVec3;

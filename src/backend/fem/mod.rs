@@ -3,6 +3,7 @@
 pub mod condensed;
 pub mod dynamics;
 mod level;
+mod solver;
 pub mod stepper;
 pub mod systems;
 mod whole;

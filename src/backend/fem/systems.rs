@@ -1,7 +1,7 @@
 //! Systems of the finite element backend: columns -> solver -> one load level -> columns.
 
 use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
-use super::stepper::GraspSolver;
+use super::solver::GraspSolver;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use geometry::{Pose, Wrench};

@@ -1,6 +1,6 @@
 //! Quantities of full pads from the solver of a grasp, condensed or not.
 
-use super::stepper::{GraspSolver, gel, gel_loads};
+use super::solver::{GraspSolver, gel, gel_loads};
 use glam::DVec3;
 use mech::body::Body;
 use mech::potential::inversion_barrier::is_crushed;

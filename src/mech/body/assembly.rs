@@ -1,7 +1,7 @@
 //! Loops over all elements of a body, as callable structs: these are compiled for the widest vector registers of the
 //! processor, which closures of this size are not.
 
-use super::gather;
+use super::elements::gather;
 use super::pattern::{Pattern, Slot};
 use crate::element::{Kernel, RestTet, Stiffness};
 use glam::DVec3;

@@ -3,36 +3,24 @@
 mod analysis;
 mod assembly;
 pub mod cholesky;
+mod derived;
+mod elements;
 pub mod locking;
 pub mod pattern;
 pub mod single_precision;
 
 use self::analysis::Analysis;
 use self::assembly::{AddGradient, AddStiffness, ElementLoop, Energy, LeastDeterminant};
+use self::cholesky::Symbolic;
+pub use self::elements::Elements;
+use self::elements::gather;
+use self::pattern::{Pattern, Slot};
 use crate::element::{Kernel, RestTet, ShapeFunctions, TET4, TET10, TET10_CENTER, TET10_NODES};
 use crate::material::{Material, von_mises};
+use base::error::Result;
 use glam::{DMat3, DVec3};
 use pulp::Arch;
 use std::sync::Arc;
-
-/// Node lists of the elements.
-#[derive(Debug, Clone)]
-pub enum Elements {
-    /// 4-node tetrahedra.
-    Linear(Vec<[u32; 4]>),
-    /// 10-node tetrahedra: corners, then mid-edges (0,1) (1,2) (2,0) (0,3) (1,3) (2,3).
-    Quadratic(Vec<[u32; 10]>),
-}
-
-impl Elements {
-    /// The nodes of each element.
-    pub(crate) fn lists(&self) -> Vec<&[u32]> {
-        match self {
-            Elements::Linear(e) => e.iter().map(|n| n.as_slice()).collect(),
-            Elements::Quadratic(e) => e.iter().map(|n| n.as_slice()).collect(),
-        }
-    }
-}
 
 /// A discretised soft body in its reference configuration.
 #[derive(Debug)]
@@ -76,10 +64,6 @@ macro_rules! per_order {
     };
 }
 
-fn gather<const N: usize>(nodes: &[u32; N], x: &[DVec3]) -> [DVec3; N] {
-    nodes.map(|i| x[i as usize])
-}
-
 impl Body {
     /// Creates the body whose nodes have the reference positions `rest`.
     pub fn new(
@@ -96,6 +80,29 @@ impl Body {
 
     fn kernel<'a, const N: usize, const Q: usize>(&'a self, shape: &'a ShapeFunctions<N, Q>) -> Kernel<'a, N, Q> {
         Kernel { shape, material: self.material.as_ref(), mean_dilatation: self.mean_dilatation }
+    }
+
+    /// Stiffness pattern and elimination order.
+    pub fn pattern(&self) -> &Pattern {
+        self.analysis.pattern(&self.elements, &self.fixed)
+    }
+
+    /// Symbolic Cholesky analysis.
+    ///
+    /// # Errors
+    /// Fails if the factorisation cannot be analysed (too large for memory).
+    pub fn symbolic(&self) -> Result<&Arc<Symbolic>> {
+        self.analysis.symbolic(&self.elements, &self.fixed)
+    }
+
+    /// Number of unknowns: three per free node.
+    pub fn unknowns(&self) -> usize {
+        3 * self.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    /// Slots of the node pairs of each element, each unordered pair once.
+    pub(crate) fn slots(&self) -> &[Slot] {
+        self.analysis.slots(&self.elements, &self.fixed)
     }
 
     /// Number of elements.
@@ -129,7 +136,7 @@ impl Body {
         });
     }
 
-    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`](pattern::Pattern) storage). `project` makes the
+    /// Adds gradient (N, per node) and stiffness (N/m, in [`Pattern`] storage). `project` makes the
     /// tangent of every point positive semidefinite.
     pub fn add_stiffness(&self, x: &[DVec3], project: bool, gradient: &mut [DVec3], values: &mut [f64]) {
         per_order!(self, nodes, kernel, {

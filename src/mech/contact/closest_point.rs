@@ -1,8 +1,7 @@
 //! Closest point of one face of a deformed pad surface.
 
 use super::folds;
-use super::surface::{SurfaceFace, face_frame};
-use geometry::triangle6;
+use super::surface::{ON_RIM, SurfaceFace, face_frame, tangents};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -34,9 +33,6 @@ impl ClosestPoint {
         Self { gap: -self.gap, normal: -self.normal, ..self }
     }
 }
-
-/// Barycentric coordinate below which a point lies on the rim of its face.
-pub(crate) const ON_RIM: f64 = 1e-9;
 
 /// Closest point of one face: Gauss-Newton on the barycentric coordinates, constrained to the triangle. A folded face,
 /// or one on which this does not converge, is searched from several starting points.
@@ -171,20 +167,6 @@ fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 
         }
     }
     l
-}
-
-/// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a face.
-pub(crate) fn tangents(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
-    match face.six_nodes(x) {
-        None => {
-            let [a, b, c] = face.corners.map(|n| x[n as usize]);
-            (face.stencil(l).position(x), b - a, c - a)
-        }
-        Some(nodes) => {
-            let [d1, d2] = triangle6::tangents(&nodes, l);
-            (triangle6::position(&nodes, l), d1, d2)
-        }
-    }
 }
 
 /// Barycentric coordinates of the projection of `y` onto the plane of a triangle.

@@ -4,8 +4,8 @@
 //! object, the point may be behind one face and yet outside. The angle-weighted pseudo-normal of all faces that meet
 //! there determines it (Baerentzen and Aanaes 2005).
 
-use super::closest_point::{ClosestPoint, ON_RIM, tangents};
-use super::surface::{ContactSurface, SurfaceFace, face_frame};
+use super::closest_point::ClosestPoint;
+use super::surface::{ContactSurface, ON_RIM, SurfaceFace, face_frame, tangents};
 use geometry::mesh::rings::TrianglePart;
 use glam::DVec3;
 

@@ -1,7 +1,6 @@
 //! Closest point of a folded quadratic face, on which the search from its flat triangle may end at any local minimum.
 
-use super::closest_point::{ON_RIM, tangents};
-use super::surface::SurfaceFace;
+use super::surface::{ON_RIM, SurfaceFace, tangents};
 use geometry::triangle6;
 use glam::DVec3;
 

@@ -12,9 +12,9 @@
 //!
 //! (second variation of a minimum: the Hessian minus the part that the sliding of the closest point relaxes).
 
-use super::closest_point::{ClosestPoint, ON_RIM, tangents};
+use super::closest_point::ClosestPoint;
 use super::folds::bends;
-use super::surface::SurfaceFace;
+use super::surface::{ON_RIM, SurfaceFace, tangents};
 use crate::potential::block::Form;
 use glam::{DMat2, DVec2, DVec3};
 

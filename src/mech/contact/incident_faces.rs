@@ -5,9 +5,9 @@
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
 //! none (see [`TriangleAdjacency::beside`](geometry::mesh::rings::TriangleAdjacency::beside)).
 
-use super::closest_point::{ClosestPoint, ON_RIM, carried_on, on_edge, on_face};
+use super::closest_point::{ClosestPoint, carried_on, on_edge, on_face};
 use super::project::FaceBounds;
-use super::surface::ContactSurface;
+use super::surface::{ContactSurface, ON_RIM};
 use base::scales::FACE_HYSTERESIS;
 use geometry::mesh::rings::{SurfacePart, TrianglePart, TrianglePosition};
 use geometry::shape::outer;

@@ -2,8 +2,8 @@
 
 use super::nearby::Nearby;
 use super::surface::ContactSurface;
-use super::term::locate;
 use crate::potential::state::BodyView;
+use crate::potential::stencil::Stencil;
 use base::scales::{EXACT_GAP_RADIUS, POINT_LIST_RADIUS};
 use geometry::shape::SignedDistance;
 use glam::DVec3;
@@ -24,6 +24,13 @@ impl DistanceBound {
     pub fn bound(&self, q: DVec3) -> f64 {
         self.bound - q.distance(self.at)
     }
+}
+
+/// Position of the point of the pad at `stencil`, in the hand frame and in the object's frame.
+#[inline(always)]
+pub(crate) fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
+    let world = stencil.position(view.x) + view.offset;
+    (world, view.object.rotation.transpose() * (world - view.object.position))
 }
 
 /// Points that are near the object, have an edge or are active sub-face samples, and the sub-face samples next to them.

@@ -3,7 +3,7 @@
 use super::incident_faces::{IncidentFace, LastContact};
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
-use crate::potential::term::Stencil;
+use crate::potential::stencil::Stencil;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

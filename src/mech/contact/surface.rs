@@ -4,7 +4,7 @@
 
 use crate::body::{Body, Elements};
 use crate::element::EDGES;
-use crate::potential::term::Stencil;
+use crate::potential::stencil::Stencil;
 use base::scales::ROUNDING;
 use geometry::mesh::rings::TriangleAdjacency;
 use geometry::triangle6;
@@ -20,6 +20,9 @@ pub struct SurfaceFace {
     /// Mid-edge nodes; None for linear elements.
     pub mids: Option<[u32; 3]>,
 }
+
+/// Barycentric coordinate below which a point lies on the rim of its face.
+pub(crate) const ON_RIM: f64 = 1e-9;
 
 /// Sample points of a pad's free surface.
 #[derive(Debug, Clone)]
@@ -250,6 +253,21 @@ pub fn face_frame(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3
         Some(nodes) => {
             let [d1, d2] = triangle6::tangents(&nodes, l);
             (face.stencil(l).position(x), d1.cross(d2).normalize_or_zero())
+        }
+    }
+}
+
+/// Position and derivatives in `l1`, `l2` (with `l0 = 1 - l1 - l2`) of a face.
+#[inline]
+pub(crate) fn tangents(face: &SurfaceFace, x: &[DVec3], l: [f64; 3]) -> (DVec3, DVec3, DVec3) {
+    match face.six_nodes(x) {
+        None => {
+            let [a, b, c] = face.corners.map(|n| x[n as usize]);
+            (face.stencil(l).position(x), b - a, c - a)
+        }
+        Some(nodes) => {
+            let [d1, d2] = triangle6::tangents(&nodes, l);
+            (triangle6::position(&nodes, l), d1, d2)
         }
     }
 }

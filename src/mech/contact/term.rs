@@ -3,14 +3,15 @@
 use super::edge::EdgeState;
 use super::law::ContactLaw;
 use super::pair::{friction_pair, normal_pair, project_weighted, slip};
-use super::point_list::{DistanceBound, PointList};
+use super::point_list::{DistanceBound, PointList, locate};
 use super::pool::EdgePool;
 use super::surface::ContactSurface;
 use crate::body::Body;
 use crate::potential::block::{BodyBlock, Pair};
 use crate::potential::edge::EdgeReading;
 use crate::potential::state::{BodyMotion, BodyView, Departure};
-use crate::potential::term::{Assembly, BodyTerm, Stencil};
+use crate::potential::stencil::Stencil;
+use crate::potential::term::{Assembly, BodyTerm};
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
 use base::scales::{EXACT_GAP_RADIUS, MIDDLE_CUT};
@@ -56,13 +57,6 @@ impl PointContact {
         let e = self.pool.edge(i);
         (e.normal * e.pressure + e.traction) * self.surface.area[i]
     }
-}
-
-/// Position of a point in the hand frame and in the object's frame.
-#[inline(always)]
-pub(crate) fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
-    let world = stencil.position(view.x) + view.offset;
-    (world, view.object.rotation.transpose() * (world - view.object.position))
 }
 
 impl BodyTerm for PointContact {

@@ -171,7 +171,7 @@ impl Newton {
         let object = self.object.energy(state, &self.rigid);
         // Summed in body order: bitwise the same result on any number of threads.
         bodies.iter().sum::<f64>() + object - self.work(state)
-            + self.proximal.as_ref().map_or(0.0, |p| p.energy(self, state))
+            + self.proximal.as_ref().map_or(0.0, |p| p.energy(&self.rigid, &self.blocks, state))
     }
 
     /// Distance by which every point may move from `state` before anything touches, m.

@@ -1,6 +1,6 @@
 //! Proximal springs to the previous state, with which a pseudo-time step is an implicit step of gradient descent.
 
-use super::Newton;
+use super::arrow::ArrowBlock;
 use crate::body::Body;
 use crate::body::pattern::Pattern;
 use crate::potential::block::{BodyBlock, RigidBlock};
@@ -29,15 +29,15 @@ impl Proximal {
     }
 
     /// Energy of the springs at `state`, J.
-    pub(crate) fn energy(&self, newton: &Newton, state: &State) -> f64 {
-        let rigid = newton.rigid.difference(state, &self.center).iter().map(|d| d * d).sum::<f64>();
-        0.5 * self.rigid * rigid + 0.5 * self.nodes * self.spread(newton, state)
+    pub(crate) fn energy(&self, rigid: &RigidUnknowns, bodies: &[ArrowBlock], state: &State) -> f64 {
+        let rigid = rigid.difference(state, &self.center).iter().map(|d| d * d).sum::<f64>();
+        0.5 * self.rigid * rigid + 0.5 * self.nodes * self.spread(bodies, state)
     }
 
     /// Force of all springs at `state`, N.
-    pub(crate) fn pull(&self, newton: &Newton, state: &State) -> f64 {
-        let rigid = newton.rigid.distance(state, &self.center);
-        (self.rigid * rigid).hypot(self.nodes * self.spread(newton, state).sqrt())
+    pub(crate) fn pull(&self, rigid: &RigidUnknowns, bodies: &[ArrowBlock], state: &State) -> f64 {
+        let rigid = rigid.distance(state, &self.center);
+        (self.rigid * rigid).hypot(self.nodes * self.spread(bodies, state).sqrt())
     }
 
     /// Adds gradient and Hessian of the springs of body `index` at node positions `x`, m.
@@ -52,11 +52,11 @@ impl Proximal {
     }
 
     /// Sum of the squared displacements of the free nodes, m2.
-    fn spread(&self, newton: &Newton, state: &State) -> f64 {
+    fn spread(&self, bodies: &[ArrowBlock], state: &State) -> f64 {
         let of = |i: usize| {
-            let nodes = state.x[i].iter().zip(&self.center.x[i]).zip(&newton.body(i).fixed);
+            let nodes = state.x[i].iter().zip(&self.center.x[i]).zip(&bodies[i].body.fixed);
             nodes.filter(|(_, fixed)| !**fixed).map(|((x, c), _)| x.distance_squared(*c)).sum::<f64>()
         };
-        (0..newton.bodies()).map(of).sum()
+        (0..bodies.len()).map(of).sum()
     }
 }

@@ -1,7 +1,7 @@
 //! Saved states of a path: checkpoints, which go back further than the last increment, and snapshots, from which
 //! another process continues.
 
-use super::continuation::Methods;
+use super::methods::Methods;
 use super::pseudo_time::PseudoTime;
 use super::step_size::StepSize;
 use super::{Path, PathControl};

@@ -2,16 +2,21 @@
 
 pub mod checkpoint;
 pub mod continuation;
+mod cost;
 pub mod grasp_place;
+mod load;
+mod methods;
 mod path_error;
 mod pseudo_time;
 pub mod step_size;
 
-use self::continuation::{FullPads, Methods};
+pub use self::cost::Advanced;
 use self::grasp_place::GraspLimits;
+pub use self::load::Load;
+use self::methods::Methods;
 use self::pseudo_time::{PseudoStep, PseudoTime};
 use self::step_size::{REFUSED, StepSize};
-use super::newton::{Converged, Failure, Newton, NewtonTolerance};
+use super::newton::{Failure, Newton, NewtonTolerance};
 use super::potential::state::State;
 
 /// Quasi-static loading path: solver, accepted state, and history of the predictor.
@@ -52,47 +57,6 @@ pub struct PathControl {
     pub first: f64,
 }
 
-/// Cost of one advance.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Advanced {
-    /// Newton iterations, failed increments included.
-    pub iterations: u32,
-    /// Accepted increments.
-    pub increments: u32,
-    /// Residual of the last one, N.
-    pub residual: f64,
-}
-
-impl Advanced {
-    /// Adds the cost of a subsequent advance.
-    pub fn add(&mut self, more: Advanced) {
-        self.iterations += more.iterations;
-        self.increments += more.increments;
-        if more.increments > 0 {
-            self.residual = more.residual;
-        }
-    }
-
-    pub(crate) fn accept(&mut self, converged: Converged) {
-        self.iterations += converged.iterations;
-        self.increments += 1;
-        self.residual = converged.residual;
-    }
-}
-
-/// Kind of load: how a level acts on solver and state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Load {
-    /// The level is the force on every finger, N.
-    Force,
-    /// The level is the travel of every finger since the start, m.
-    Travel,
-    /// The level is the acting fraction of the push on the object.
-    Push,
-}
-
-/// Loose tolerance, of intermediate states, over the tight one, of results.
-pub(crate) const LOOSE: f64 = 20.0;
 /// Maximum number of iterations of pseudo-time steps and failed increments before the path is given up.
 const SPENT_LIMIT: u32 = 4000;
 
@@ -124,27 +88,6 @@ impl Path {
     /// Halves the iterations spent, after a level was reached.
     pub fn recover(&mut self) {
         self.spent /= 2;
-    }
-
-    /// Raises the finger forces from first contact to the small `force` (N), around an object that is held fixed. An
-    /// object in contact at single points would have almost no rotational stiffness and rotate arbitrarily; between
-    /// contact patches that stick, it moves only as far as these deform.
-    ///
-    /// # Errors
-    /// Returns the last [`Failure`]; the state is then that of the start.
-    pub fn establish(&mut self, force: f64) -> Result<Advanced, Failure> {
-        // The state is intermediate, so that the loose tolerance suffices; `advance` or `solve_tightly` follow.
-        let sharp = self.tolerance;
-        self.tolerance.relative *= LOOSE;
-        self.newton.force.fill(force);
-        let level = std::mem::replace(&mut self.level, force);
-        let closed = self.advance(Load::Force, force, &mut FullPads);
-        self.tolerance = sharp;
-        self.history = None;
-        if closed.is_err() {
-            self.level = level;
-        }
-        closed
     }
 
     /// Begins another kind of load, which is zero in the accepted state, with the first load `first`.
@@ -190,7 +133,7 @@ impl Path {
                     done.iterations += converged.iterations;
                     return Err(Failure::Bent(error));
                 }
-                let pull = springs.map_or(0.0, |springs| springs.pull(&self.newton, &state));
+                let pull = springs.map_or(0.0, |springs| springs.pull(&self.newton.rigid, &self.newton.blocks, &state));
                 let way = self.newton.rigid.distance(&state, &self.state);
                 self.spent += if springs.is_some() { converged.iterations } else { 0 };
                 self.newton.commit(&state);

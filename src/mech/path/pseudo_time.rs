@@ -5,13 +5,14 @@
 //! state under any load. The stiffness adapts to the steps: softer after an easy one, stiffer after one that moved too
 //! far or failed, none once the force of the springs is within the tolerance of the out-of-balance forces.
 
-use super::LOOSE;
 use crate::newton::NewtonTolerance;
 use crate::newton::proximal::Proximal;
 use crate::potential::state::State;
 use base::scales::{FIRST_PSEUDO_STEP, LARGEST_PSEUDO_STEP};
 use serde::{Deserialize, Serialize};
 
+/// Loose tolerance, of intermediate states, over the tight one, of results.
+pub(crate) const LOOSE: f64 = 20.0;
 /// Maximum number of iterations of one step with springs.
 const STEP_ITERATIONS: u32 = 25;
 /// Stiffness of the springs of the nodes over those of the rigid unknowns.

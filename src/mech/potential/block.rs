@@ -2,7 +2,7 @@
 
 use super::cross::outer;
 use super::state::{BodyView, MAX_RIGID, ObjectView};
-use super::term::Stencil;
+use super::stencil::Stencil;
 use crate::body::Body;
 use crate::body::pattern::{FIXED, Pattern};
 use glam::{DMat3, DVec3};

@@ -1,7 +1,7 @@
 //! State and reading of one contact edge: of a point of a pad with the object, or of a contact vertex of the object
 //! with a pad.
 
-use super::term::Stencil;
+use super::stencil::Stencil;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

@@ -9,6 +9,7 @@ pub mod inversion_barrier;
 pub mod pad_inertia;
 pub mod rigid_inertia;
 pub mod state;
+pub mod stencil;
 pub mod term;
 pub mod time_step;
 pub mod viscosity;

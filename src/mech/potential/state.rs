@@ -1,6 +1,6 @@
 //! The unknowns of a grasp, and the few rigid unknowns that all bodies share.
 
-use super::term::Stencil;
+use super::stencil::Stencil;
 use super::time_step::TimeStep;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};

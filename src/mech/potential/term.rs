@@ -4,11 +4,11 @@
 use super::block::{BodyBlock, RigidBlock};
 use super::edge::{EdgeReading, EdgeState};
 use super::state::{BodyMotion, BodyView, Departure, ObjectIncrement, ObjectView};
+pub use super::stencil::Stencil;
 use crate::body::Body;
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 /// Options of an assembly.
 #[derive(Debug, Clone, Copy)]
@@ -29,43 +29,6 @@ impl Assembly {
     pub const WHOLE: Self = Self { project: false, follow: true, sharp: true, secant: false };
     /// [`Assembly::WHOLE`] with projected Hessians.
     pub const PROJECTED: Self = Self { project: true, ..Self::WHOLE };
-}
-
-/// A material point of a body's surface: nodes and their shape function values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Stencil {
-    nodes: [u32; 6],
-    phi: [f64; 6],
-    len: u8,
-}
-
-impl Stencil {
-    /// Stencil without nodes.
-    pub const NONE: Self = Self { nodes: [0; 6], phi: [0.0; 6], len: 0 };
-
-    /// Creates a stencil from at most six nodes and weights; weights of zero are dropped.
-    pub fn new(entries: impl Iterator<Item = (u32, f64)>) -> Self {
-        let mut s = Self::NONE;
-        for (node, phi) in entries.filter(|(_, phi)| *phi != 0.0).take(6) {
-            s.nodes[s.len as usize] = node;
-            s.phi[s.len as usize] = phi;
-            s.len += 1;
-        }
-        s
-    }
-
-    /// Nodes and shape function values.
-    #[inline]
-    pub fn slices(&self) -> (&[u32], &[f64]) {
-        (&self.nodes[..self.len as usize], &self.phi[..self.len as usize])
-    }
-
-    /// Position of the point for node positions `x`.
-    #[inline]
-    pub fn position(&self, x: &[DVec3]) -> DVec3 {
-        let (nodes, phi) = self.slices();
-        nodes.iter().zip(phi).fold(DVec3::ZERO, |s, (&n, &p)| s + x[n as usize] * p)
-    }
 }
 
 /// Copies a term behind its trait object; implemented for every term that is `Clone`.

@@ -1,7 +1,7 @@
 //! Features of a load: the rigid-object equilibrium under it, and the projected contact, node by node.
 
 use super::GraspFeatures;
-use super::Parity::{self, Even, X, XY, Y};
+use super::parity::Parity::{self, Even, X, XY, Y};
 use crate::features::rows;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::balance::{ObjectBalance, PadLoad};

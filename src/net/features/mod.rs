@@ -7,55 +7,25 @@
 
 pub mod loads;
 pub mod normalise;
+mod object_query;
 pub mod pad_range;
+mod parity;
 pub mod range;
 mod sub_element;
 pub mod volume;
 
+use self::object_query::View;
+use self::parity::Parity::{Even, X, Y};
+pub use self::parity::{Parity, ROTATION, VECTOR};
 use self::sub_element::Nearest;
 use self::volume::Volume;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{Layout, PadGraph};
 use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
 use crate::matrix::Sparse;
-use geometry::Pose;
 use glam::{DMat3, DVec3};
 use model::Model;
-use model::gripper::FingerPlacement;
 use std::sync::Arc;
-
-/// Sign change of a feature under the mirrors x -> -x and y -> -y.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Parity {
-    /// No sign change.
-    Even,
-    /// Sign change under x -> -x.
-    X,
-    /// Sign change under y -> -y.
-    Y,
-    /// Sign change under each mirror, none under both.
-    XY,
-}
-
-impl Parity {
-    /// Returns the sign under the mirrors `x` and `y`.
-    pub fn sign(self, (x, y): (bool, bool)) -> f32 {
-        let flips = match self {
-            Parity::Even => false,
-            Parity::X => x,
-            Parity::Y => y,
-            Parity::XY => x != y,
-        };
-        if flips { -1.0 } else { 1.0 }
-    }
-}
-
-use Parity::{Even, X, XY, Y};
-
-/// Parities of a vector: (x, y, z).
-pub const VECTOR: [Parity; 3] = [X, Y, Even];
-/// Parities of a rotation vector (an axial vector): a mirror reverses the components that lie in its plane.
-pub const ROTATION: [Parity; 3] = [Y, X, XY];
 
 /// Version of the features, increased whenever the meaning of one changes; a network accepts only the version of its
 /// training.
@@ -197,62 +167,6 @@ pub fn edge_features(graph: &PadGraph) -> Vec<f32> {
         [d.x, d.y, d.z, d.length()].map(|v| v as f32)
     };
     graph.edges.list.iter().flat_map(of).collect()
-}
-
-/// Queries of the object from a pad at first contact.
-struct View<'a> {
-    model: &'a Model,
-    placement: &'a FingerPlacement,
-    /// Displacement of the pad since the hand was open.
-    carried: DVec3,
-    object: Pose,
-    inverse: DMat3,
-    /// Rotation from the object frame to the pad frame.
-    to_pad: DMat3,
-    /// Closing direction in the object frame.
-    closing: DVec3,
-}
-
-impl<'a> View<'a> {
-    fn new(model: &'a Model, touch: &GeometricContact, placement: &'a FingerPlacement, travel: f64) -> Self {
-        let rotation = DMat3::from_quat(touch.object.rotation);
-        let inverse = rotation.transpose();
-        let carried = placement.closing * travel;
-        let to_pad = placement.rotation.transpose() * rotation;
-        Self { model, placement, carried, object: touch.object, inverse, to_pad, closing: inverse * placement.closing }
-    }
-
-    /// Returns a point of the pad in the object frame.
-    fn of_pad(&self, x: DVec3) -> DVec3 {
-        self.inverse * (self.placement.place(x) + self.carried - self.object.position)
-    }
-
-    /// Returns a point of the object in the pad frame.
-    fn in_pad(&self, x: DVec3) -> DVec3 {
-        let place = self.object.rotation * x + self.object.position - self.carried - self.placement.origin;
-        self.placement.rotation.transpose() * place
-    }
-
-    /// Returns signed distance, m, and normal of the object in the pad frame, at a point in the object frame.
-    fn look(&self, at: DVec3) -> (f64, DVec3) {
-        let closest = self.model.object.distance.closest(at, f64::INFINITY);
-        closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
-    }
-
-    /// Returns the distance along the closing direction to the object, at most `far`, m (sphere tracing, Hart 1996).
-    fn gap(&self, from: DVec3, far: f64) -> f64 {
-        let distance = |t: f64| self.model.object.distance.distance(from + self.closing * t);
-        let mut t = 0.0;
-        // A grazing ray that reaches this limit is close enough to the object.
-        for _ in 0..64 {
-            let d = distance(t);
-            t += d;
-            if d < 1e-4 * far || t >= far {
-                break;
-            }
-        }
-        t.min(far)
-    }
 }
 
 /// Returns the rows of the blocks with the indices `wanted`, out of `count` blocks of equal size.

@@ -1,7 +1,7 @@
 //! Normalisation of features to mean 0 and variance 1, with the statistics of the training set only. Features are also
 //! clamped to the bounds of the training set: outside them a network may be wrong by orders of magnitude.
 
-use super::Parity;
+use super::parity::Parity;
 use serde::{Deserialize, Serialize};
 
 /// Largest number allowed in a card.

@@ -1,6 +1,6 @@
 //! Queries of the object between the nodes of a pad: first contact may be there.
 
-use super::View;
+use super::object_query::View;
 use crate::linear_response::pad_graph::PadGraph;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};

@@ -9,7 +9,7 @@
 //! The paper's mesh edges contain the current and the reference shape; at first contact both are the same and are given
 //! once.
 
-use super::Parity;
+use super::parity::Parity::{self, Even, X, Y};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
@@ -21,8 +21,6 @@ use model::Model;
 use record::{ElementNodes, PadTopology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-use Parity::{Even, X, Y};
 
 /// Features of a node: one-hot kind (interior, surface, object); closing direction of its finger; position; Poisson's
 /// ratio, friction. The modulus is part of the unit of force.

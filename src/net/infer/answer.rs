@@ -1,13 +1,13 @@
 //! Output of the network for a grasp at some loads, converted to SI on request.
 
-use super::predict::{GraspState, PadState};
+pub use super::output_arrays::OutputArrays;
+use super::predicted_state::{GraspState, PadState};
 use super::touch::touched;
-use crate::autodiff::tensor::values;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::pad_graph::PadGraph;
+use crate::network::Normalisers;
 use crate::network::interval::{ErrorIndicators, Interval};
-use crate::network::{NetworkOutput, Normalisers};
 use glam::DVec3;
 use rayon::prelude::*;
 use record::ErrorBound;
@@ -34,33 +34,6 @@ pub struct Answer {
     pub(crate) interval: Option<Interval>,
     /// Flags: the prediction interval is valid at a level.
     pub(crate) known: Vec<bool>,
-}
-
-/// [`NetworkOutput`] as plain arrays; stress is empty if not required.
-#[derive(Debug)]
-pub struct OutputArrays {
-    /// Displacement (levels * pads * nodes, 3).
-    pub displacement: Vec<f32>,
-    /// Stress (levels * pads * nodes).
-    pub stress: Vec<f32>,
-    /// Contact force (levels * pads * face nodes, 3).
-    pub contact: Vec<f32>,
-    /// Travel (levels * pads).
-    pub travel: Vec<f32>,
-    /// Motion (levels * pads, 6).
-    pub motion: Vec<f32>,
-}
-
-impl From<NetworkOutput> for OutputArrays {
-    fn from(out: NetworkOutput) -> Self {
-        Self {
-            displacement: values(&out.displacement),
-            stress: values(&out.stress),
-            contact: values(&out.contact),
-            travel: values(&out.travel),
-            motion: values(&out.motion),
-        }
-    }
 }
 
 /// Returns block `at` of `count` numbers: those of one pad at one level.

@@ -1,7 +1,7 @@
 //! Arrays of many predictions, for files and for Python.
 
 use super::many::PredictedGrasp;
-use super::predict::{GraspState, PadState};
+use super::predicted_state::{GraspState, PadState};
 use super::touch::object_at;
 use crate::linear_response::GraspLoad;
 use base::error::Result;

@@ -1,28 +1,20 @@
 //! Face network with packed weights and reused memory.
 
-use super::answer::OutputArrays;
+use super::code::Code;
 use super::heads::{Channels, Heads};
 use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
+use super::output_arrays::OutputArrays;
+use super::padded_rows::{beside, multiply, row};
 use super::response::{self, respond};
 use crate::features::loads::LoadFeatures;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD};
 use crate::matrix::activation::Act;
-use crate::matrix::product::{Packed, Product, RowsView, padded};
+use crate::matrix::product::{Packed, RowsView, padded};
 use crate::network::Normalisers;
 use crate::network::parameters::Parameters;
 use crate::network::spec::Face;
-use pulp::Arch;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
-
-/// Result of the pass over a grasp: the load-independent part of the decoder's first layer.
-#[derive(Debug, Clone, Default)]
-pub struct Code {
-    /// Part for nodes (pads * face nodes, padded decoder).
-    pub node: Vec<f32>,
-    /// Part for pads (pads, padded decoder).
-    pub pad: Vec<f32>,
-}
 
 /// Layer on the means over a pad and over the other pad.
 #[derive(Debug)]
@@ -82,21 +74,6 @@ struct Workspace {
     response: response::Memory,
     /// Channels of each grasp of a batch.
     channels: Vec<Channels>,
-}
-
-/// Returns a row padded with zeros.
-pub(crate) fn row(mut row: Vec<f32>) -> Vec<f32> {
-    row.resize(padded(row.len()), 0.0);
-    row
-}
-
-/// Concatenates matrices (rows, cols) horizontally, each padded.
-pub(crate) fn beside(parts: &[(Vec<f32>, usize)]) -> (Vec<f32>, usize) {
-    let rows = parts[0].0.len() / parts[0].1;
-    let all = (0..rows).flat_map(|r| parts.iter().flat_map(move |(w, cols)| row(w[r * cols..(r + 1) * cols].to_vec())));
-    let all: Vec<f32> = all.collect();
-    let cols = all.len() / rows;
-    (all, cols)
 }
 
 impl FaceEngine {
@@ -279,10 +256,4 @@ impl FaceEngine {
         self.put(own);
         outputs
     }
-}
-
-/// Computes a product into `out`, whose rows have the padded length of those of the weights.
-pub(crate) fn multiply(a: RowsView, w: &Packed, keep: bool, bias: Option<&[f32]>, act: Act, out: &mut [f32]) {
-    let stride = w.cols;
-    Arch::new().dispatch(Product { a, w, keep, bias, act, out, stride });
 }

@@ -7,7 +7,8 @@
 //! interpolated linearly between these forces, so that contact forces still balance it.
 
 use super::answer::{Answer, combined};
-use super::predict::{GraspState, Predictor, Seen};
+use super::predict::{Predictor, Seen};
+use super::predicted_state::GraspState;
 use crate::linear_response::{GraspLoad, around};
 use base::error::Result;
 use geometry::Wrench;

@@ -1,7 +1,7 @@
 //! Frame of a prediction for tactile sensors, bitwise identical to that recorded by a run with the network.
 
 use super::many::PredictedGrasp;
-use super::predict::PadState;
+use super::predicted_state::PadState;
 use super::touch::object_at;
 use geometry::Pose;
 use glam::DVec3;

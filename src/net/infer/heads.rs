@@ -3,8 +3,9 @@
 //! One product computes all channels of a node: contact force, then factor and offset of the stress at each depth, then
 //! offset and factor of the displacement at each depth.
 
-use super::face::{Code, beside, multiply, row};
+use super::code::Code;
 use super::message::BLOCK;
+use super::padded_rows::{beside, multiply, row};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::matrix::activation::{Act, positive};
 use crate::matrix::product::{Packed, Product, RowsView, padded, product};

@@ -1,6 +1,6 @@
 //! Friction margin of the pads on the object, from the predicted pressure.
 
-use super::predict::GraspState;
+use super::predicted_state::GraspState;
 use super::touch::object_at;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;

@@ -9,6 +9,7 @@
 
 pub mod answer;
 pub mod arrays;
+mod code;
 pub mod doubt;
 pub mod face;
 pub mod force_ladder;
@@ -18,10 +19,14 @@ pub mod hold;
 pub mod inputs;
 pub mod many;
 pub mod message;
+mod output_arrays;
+mod padded_rows;
 pub mod predict;
+mod predicted_state;
 pub mod ramp;
 pub mod response;
 pub mod slopes;
 pub mod touch;
 
-pub use face::{Code, Decoding, FaceEngine};
+pub use code::Code;
+pub use face::{Decoding, FaceEngine};

@@ -1,7 +1,10 @@
 //! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
-use super::answer::{Answer, OutputArrays};
-use super::{Code, Decoding, FaceEngine};
+use super::answer::Answer;
+use super::code::Code;
+use super::face::{Decoding, FaceEngine};
+use super::output_arrays::OutputArrays;
+pub use super::predicted_state::{GraspState, PadState};
 use crate::autodiff::tensor::{Matrix, NoneTape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
@@ -14,10 +17,8 @@ use crate::network::parameters::Parameters;
 use crate::network::spec::NetworkSpec;
 use crate::network::{Forward, Inputs, Network, build};
 use base::error::{Error, Result};
-use glam::DVec3;
 use model::Model;
 use rayon::prelude::*;
-use record::ErrorBound;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -76,35 +77,6 @@ impl Seen {
 enum Encoded {
     Tensors(Vec<Matrix>),
     Engine(Code),
-}
-
-/// State predicted for one pad at one load level, pad frame, SI.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PadState {
-    /// Displacement of every node, m; exactly zero where bonded.
-    pub displacement: Vec<DVec3>,
-    /// Von Mises stress of every node, Pa, >= 0.
-    pub stress: Vec<f64>,
-    /// Contact force on every node, N; the components along the closing direction sum to the pressing force of the
-    /// finger.
-    pub contact: Vec<DVec3>,
-    /// Travel of the finger since first contact, m.
-    pub travel: f64,
-    /// Translation of the object (of its point midway between the pads) since first contact, m.
-    pub shift: DVec3,
-    /// Rotation vector of the object since first contact.
-    pub turn: DVec3,
-}
-
-/// State predicted for a grasp at one load level.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GraspState {
-    /// States of the pads, left first.
-    pub pads: Vec<PadState>,
-    /// Flag: a free object is still supported and does not move.
-    pub held: bool,
-    /// Upper ends of the prediction intervals (90 %); unknown outside the range of the training.
-    pub error: ErrorBound,
 }
 
 impl Predictor {

@@ -9,7 +9,8 @@
 
 use super::FaceEngine;
 use super::answer::{Answer, combined};
-use super::predict::{GraspState, Predictor, Seen};
+use super::predict::{Predictor, Seen};
+use super::predicted_state::GraspState;
 use crate::linear_response::GraspLoad;
 use base::error::Result;
 use geometry::Wrench;

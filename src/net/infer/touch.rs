@@ -1,7 +1,7 @@
 //! Contact of the predicted faces with the object: the travel that closes the gap, and the consistency of displacement
 //! field and pose.
 
-use super::predict::PadState;
+use super::predicted_state::PadState;
 use crate::features::GraspFeatures;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;

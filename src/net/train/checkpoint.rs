@@ -1,7 +1,7 @@
 //! State of a training run on disk, in one file that is replaced atomically.
 
-use super::TrainingState;
 use super::curves::Epoch;
+use super::training_state::TrainingState;
 use crate::autodiff::tensor::values;
 use crate::network::parameters::Parameters;
 use base::error::{Error, Result};

@@ -11,10 +11,12 @@ pub mod data;
 pub mod frame_error;
 pub mod loss;
 pub mod sample;
+mod training_state;
 
 use self::frame_error::frame_error;
 use self::loss::LossValue;
 use self::sample::Sample;
+pub use self::training_state::TrainingState;
 use super::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, Values, gradients};
 use super::features::VERSION;
 use super::features::range::TrainedRange;
@@ -50,27 +52,6 @@ pub struct Trainer {
     /// Notices about the start, one sentence each.
     pub notices: Vec<String>,
     _lock: FolderLock,
-}
-
-/// State after an epoch.
-#[derive(Debug, Clone)]
-pub struct TrainingState {
-    /// Current weights.
-    pub parameters: Parameters,
-    /// Weights of the epoch with the smallest validation loss.
-    pub best: Parameters,
-    /// State of the optimiser.
-    pub adam: Adam,
-    /// Loss curve so far.
-    pub epochs: Vec<Epoch>,
-}
-
-impl TrainingState {
-    /// Returns the epoch with the smallest validation loss, and that loss.
-    pub fn best_epoch(&self) -> Option<(usize, f64)> {
-        let losses = self.epochs.iter().map(|e| e.validation).enumerate();
-        losses.min_by(|a, b| a.1.total_cmp(&b.1))
-    }
 }
 
 /// Reason for the end of a run.

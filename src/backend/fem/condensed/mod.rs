@@ -32,7 +32,7 @@ use mech::newton::Failure;
 use mech::path::continuation::PadDiscretisation;
 use mech::path::{Advanced, Path};
 use mech::potential::state::{RigidUnknowns, State};
-use mech::potential::term::Stencil;
+use mech::potential::stencil::Stencil;
 use model::Model;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -303,7 +303,7 @@ fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::stepper::GraspSolver;
+    use crate::fem::solver::GraspSolver;
     use mech::potential::term::Assembly;
     use model::grasp::poses_of;
     use scene::from_ron;

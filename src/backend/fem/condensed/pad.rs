@@ -10,7 +10,7 @@ use mech::body::cholesky::Factor;
 use mech::body::pattern::FIXED;
 use mech::body::single_precision::SinglePrecisionFactor;
 use mech::newton::Failure;
-use mech::potential::term::Stencil;
+use mech::potential::stencil::Stencil;
 use model::part::FingerModel;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use base::scales::{PATCH_MARGIN, SMALL_PATCH_MARGIN};
 use geometry::shape::Shape;
 use mech::potential::state::BodyView;
-use mech::potential::term::Stencil;
+use mech::potential::stencil::Stencil;
 use model::part::FingerModel;
 use std::collections::BTreeSet;
 

@@ -1,7 +1,7 @@
 //! Systems of dynamic scenes, in addition to those of the backend.
 
 use super::integrator::Integrator;
-use crate::fem::stepper::GraspSolver;
+use crate::fem::solver::GraspSolver;
 use bevy_ecs::prelude::*;
 use geometry::Wrench;
 use world::components::*;

@@ -1,0 +1,33 @@
+//! State that the network predicts for a grasp.
+
+use glam::DVec3;
+use record::ErrorBound;
+
+/// State predicted for one pad at one load level, pad frame, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PadState {
+    /// Displacement of every node, m; exactly zero where bonded.
+    pub displacement: Vec<DVec3>,
+    /// Von Mises stress of every node, Pa, >= 0.
+    pub stress: Vec<f64>,
+    /// Contact force on every node, N; the components along the closing direction sum to the pressing force of the
+    /// finger.
+    pub contact: Vec<DVec3>,
+    /// Travel of the finger since first contact, m.
+    pub travel: f64,
+    /// Translation of the object (of its point midway between the pads) since first contact, m.
+    pub shift: DVec3,
+    /// Rotation vector of the object since first contact.
+    pub turn: DVec3,
+}
+
+/// State predicted for a grasp at one load level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GraspState {
+    /// States of the pads, left first.
+    pub pads: Vec<PadState>,
+    /// Flag: a free object is still supported and does not move.
+    pub held: bool,
+    /// Upper ends of the prediction intervals (90 %); unknown outside the range of the training.
+    pub error: ErrorBound,
+}
