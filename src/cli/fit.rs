@@ -39,8 +39,9 @@ pub struct FitArgs {
 }
 
 /// Fits Young's modulus, Poisson's ratio, the friction coefficient and the zero of depth of the press in `args.scene`
-/// to the curve in `args.curve`, alone, in pairs and all together. Prints the report to `console`, and writes it with
-/// its charts to `args.out` if given. Returns the exit code: 0 if every fit converged, otherwise 1.
+/// to the curve in `args.curve`: alone, in pairs and all together, as far as the curve has enough points. Prints the
+/// report to `console`, and writes it with its charts to `args.out` if given. Returns the exit code: 0 if every fit
+/// converged, otherwise 1.
 ///
 /// # Errors
 /// Fails if the scene, the curve or a range is invalid, a press fails, the process is interrupted, or a file cannot be

@@ -24,7 +24,7 @@ pub enum Backend {
 pub struct Overrides {
     /// Backend that advances the scene.
     pub backend: Option<Backend>,
-    /// Folder of a trained network, or name of a bundled one; only for a network.
+    /// Folder of a trained network, or name of a bundled one. Only for a network.
     pub model: Option<PathBuf>,
     /// Largest accepted relative error of the displacement that a network predicts; grasps above it are computed by
     /// finite elements. Only for a network.
