@@ -116,10 +116,12 @@ impl Stepper for FemStepper {
 pub struct GraspSolver {
     /// Loading path: Newton solver, accepted state, and history for the extrapolation of the next state.
     pub path: Path,
+    /// Condensed pads; None for full pads.
     pub(crate) condensed: Option<Condensation>,
     settings: scene::Fem,
     /// Number of load levels so far.
     pub(crate) steps: usize,
+    /// Progress that checkpoints and snapshots store.
     pub(crate) progress: GraspProgress,
 }
 
