@@ -1,4 +1,5 @@
-//! Network backend, with the phases and components of the finite element backend.
+//! Network backend: a trained graph network predicts the state of each load level, with the phases and components of
+//! the finite element backend.
 
 use base::error::{Error, Result};
 use base::saved_state::{StateReader, StateWriter};
@@ -27,7 +28,7 @@ use world::schedule::{
 };
 use world::systems::sense::close_to_contact;
 
-/// Backend with a trained model.
+/// Backend that predicts each load level of a grasp by a trained network, in place of solving for equilibrium.
 #[derive(Debug)]
 pub struct NetworkStepper {
     predictor: Arc<Predictor>,
@@ -41,26 +42,30 @@ impl NetworkStepper {
     /// Opens the model in the folder `model`, or the bundled model of this name.
     ///
     /// # Errors
-    /// Fails as [`Predictor::open`] does.
+    /// Fails if there is no such model, and if its card or weights are damaged or do not match.
     pub fn open(model: &Path) -> Result<Self> {
         Ok(Self { predictor: Arc::new(Predictor::open(model)?), model: model.to_path_buf(), extrapolate: false })
     }
 
-    /// Sets whether scenes outside the training range are accepted.
+    /// Returns the backend with the flag `extrapolate` set: if true, scenes outside the training range are accepted;
+    /// their error is unknown.
     pub fn extrapolating(self, extrapolate: bool) -> Self {
         Self { extrapolate, ..self }
     }
 
-    /// Returns the reason why some frame of `model` is outside the training range; None if the network accepts all.
+    /// Returns the reason why the force of a frame of `model` is outside the training range; None if all are inside, or
+    /// if the backend extrapolates.
     pub fn refuses(&self, model: &Model) -> Option<String> {
         self.predictor.card.range.forces_outside(model).filter(|_| !self.extrapolate)
     }
 
-    /// Decodes all levels of the grasp of a prepared world in advance. Returns the largest error bound of the
-    /// displacement that nine of ten predictions satisfy; infinite where it is unknown.
+    /// Predicts all load levels of the grasp of a prepared `world` in advance. Returns the largest 90 % error bound of
+    /// the displacement over the levels (relative error that nine of ten predictions do not exceed); infinite if it is
+    /// unknown.
     ///
     /// # Errors
-    /// Fails for a grasp that cannot start, and if a predicted number is not finite.
+    /// Fails if the world is not prepared for the network, the fingers do not reach the object, or a predicted number
+    /// is not finite.
     pub fn foresee(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
@@ -71,7 +76,7 @@ impl NetworkStepper {
         Ok(prediction.foresee()?.map_or(f64::INFINITY, |error| error.displacement))
     }
 
-    /// Removes its resources from `world`.
+    /// Removes the resources of the network from `world`, for a grasp that falls back to finite elements.
     pub fn remove_resources(&self, world: &mut World) {
         world.remove_resource::<Prediction>();
     }
@@ -149,7 +154,7 @@ impl Stepper for NetworkStepper {
     }
 }
 
-/// Prediction of the network for the grasp of this world.
+/// Prediction of the network for the grasp of a world: encoding at first contact, and the states predicted so far.
 #[derive(Resource)]
 pub struct Prediction {
     predictor: Arc<Predictor>,

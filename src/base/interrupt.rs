@@ -10,25 +10,25 @@ use std::time::{Duration, Instant};
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
-/// Requests that all work of this process ends.
+/// Sets the stop flag: requests that all long computations of this process end.
 pub fn request() {
     REQUESTED.store(true, Ordering::SeqCst);
 }
 
-/// Returns true if an end was requested.
+/// Returns true if the stop flag is set.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// Resets the request, so that new work may begin after the interrupted work has ended.
+/// Clears the stop flag, so that new computations may begin after the interrupted ones have ended.
 pub fn clear() {
     REQUESTED.store(false, Ordering::SeqCst);
 }
 
-/// Checks that no end was requested.
+/// Checks that the stop flag is not set.
 ///
 /// # Errors
-/// Returns [`Error::Interrupted`] if an end was requested.
+/// Fails with [`Error::Interrupted`] if it is set.
 pub fn check() -> Result<()> {
     if requested() { Err(Error::Interrupted("interrupted".into())) } else { Ok(()) }
 }
@@ -36,10 +36,10 @@ pub fn check() -> Result<()> {
 /// Time from a request until the process is ended, even if its work does not poll the flag, s.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// Installs handlers with which SIGINT and SIGTERM request an end, even if they were ignored when the process began (a
-/// shell without job control ignores them for background commands). A second signal ends the process at once, with exit
-/// code `code`. `GRACE` after the first, the process calls `last_words` and exits in any case; files are written
-/// atomically, so this leaves none incomplete.
+/// Installs handlers with which SIGINT and SIGTERM set the stop flag, even if they were ignored when the process began
+/// (a shell without job control ignores them for background commands). A second signal ends the process at once, with
+/// exit code `code`. If the process still runs 3 s after the first signal, it calls `last_words` (to print a final
+/// message) and exits with `code`; files are written atomically, so this leaves none incomplete.
 ///
 /// # Errors
 /// Fails if a handler or the watching thread cannot be created.

@@ -1,4 +1,4 @@
-//! Tables in HTML and Markdown.
+//! Tables of text and numbers, formatted as HTML and Markdown.
 
 /// Table whose first column is text and whose other columns are right-aligned numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,7 +22,7 @@ impl Table {
         Self { title: title.into(), columns, ..Self::default() }
     }
 
-    /// Returns the table as HTML, for a report page.
+    /// Returns the table as HTML, with title and note, for a report page. Special characters are escaped.
     pub fn html(&self) -> String {
         let cells = |tag: &str, row: &[String]| -> String {
             let cell = |(k, text): (usize, &String)| match k {
@@ -47,7 +47,7 @@ impl Table {
         }
     }
 
-    /// Returns the table as Markdown.
+    /// Returns the columns and rows as a Markdown table, without title and note. Vertical bars in cells are escaped.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|c| c.trim().replace("  ", " ").replace('|', "\\|")).collect();
@@ -58,7 +58,7 @@ impl Table {
     }
 }
 
-/// Escapes `text` for HTML, in elements and in quoted attributes.
+/// Returns `text` with `&`, `<`, `>` and `"` escaped for HTML, for use in elements and in quoted attributes.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -8,7 +8,8 @@ use record::render::canvas::{Area, Drawn, INK, KINDS, MUTED, Picture, axes, rang
 use std::ops::Range;
 use std::path::Path;
 
-/// Writes `bench.png` and `bench.svg` into `dir`.
+/// Writes the chart of the median displacement error (%) against the wall time of a grasp (s), both on logarithmic
+/// axes, as `bench.png` and `bench.svg` into the folder `dir`.
 ///
 /// # Errors
 /// Fails if a file cannot be written or no point has a time and an error.

@@ -1,6 +1,7 @@
-//! Processor time and memory of this process, if the system provides them.
+//! Processor time and peak memory of this process, where the operating system provides them.
 
-/// Returns the processor time of all threads since the start of the process, user and system, s; None if unknown.
+/// Returns the processor time of all threads since the start of the process, user and system, s; None on systems other
+/// than Unix.
 pub fn processor_time() -> Option<f64> {
     #[cfg(unix)]
     {
@@ -11,12 +12,14 @@ pub fn processor_time() -> Option<f64> {
     None
 }
 
-/// Resets the peak of the resident memory (Linux: `/proc/self/clear_refs`); returns false if that is impossible.
+/// Resets the peak resident memory that [`peak_memory`] reads, by `/proc/self/clear_refs`. Returns true if it was
+/// reset; false on systems other than Linux.
 pub fn reset_peak_memory() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
-/// Returns the largest resident memory since [`reset_peak_memory`], bytes; None if unknown.
+/// Returns the peak resident memory of the process since the last call of [`reset_peak_memory`], or else since its
+/// start, bytes (`VmHWM` of `/proc/self/status`); None on systems other than Linux.
 pub fn peak_memory() -> Option<u64> {
     status("VmHWM:")
 }

@@ -1,4 +1,4 @@
-//! Reference of a bench, and an estimate of its error by a mesh refinement study. Its members use condensed pads: a
+//! Reference of a benchmark, and an estimate of its error by a mesh refinement study. Its members use condensed pads: a
 //! sequence of meshes, each level (rung) finer than the previous one by the square root of two, whose finest is the
 //! reference; a mesh of another kind that is equally fine at the centre; and the reference with half the path
 //! tolerance.
@@ -43,8 +43,9 @@ pub enum Role {
     HalfPath,
 }
 
-/// Returns the members of the mesh refinement study of a scene, with `rungs` levels, or one level if its pads are from
-/// a file.
+/// Returns the members of the mesh refinement study of the scene of `sweep`: `rungs` mesh levels (one if its pads are
+/// from a file), each finer than the previous one by the square root of two, the finest being the reference; then a
+/// mesh of another kind, and the reference with half the path tolerance, where they exist.
 ///
 /// # Errors
 /// Fails if a pad cannot be meshed.
@@ -75,17 +76,19 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     Ok(members)
 }
 
-/// Distances of all pairs of members, accumulated over grasps.
+/// Distances between the results of all pairs of members of a mesh refinement study, accumulated over grasps and
+/// frames.
 #[derive(Debug)]
 pub struct Tally(Vec<Vec<Vec<Distance>>>);
 
 impl Tally {
-    /// Returns an empty tally of `members` members.
+    /// Creates an empty tally for a study with `members` members.
     pub fn new(members: usize) -> Self {
         Self((0..members).map(|_| vec![Vec::new(); members]).collect())
     }
 
-    /// Adds a grasp: the frames of each member, at the loads `levels`.
+    /// Adds the results of one grasp. `points` are the common points at which fields are compared, `levels` the loads
+    /// of the frames (N or m), and `fields` the frames of each member, in the order of the members.
     pub fn add(&mut self, points: &Points, levels: &[f64], fields: &[&[Fields]]) {
         for (i, own) in fields.iter().enumerate() {
             for (j, other) in fields.iter().enumerate().skip(i + 1) {
@@ -95,7 +98,9 @@ impl Tally {
     }
 }
 
-/// Returns the distances of the frames `own` of a grasp from `truth`, from a fraction [`FROM_LOAD`] of the load on.
+/// Returns the distance of each frame of `own` from the same frame of `truth`, for the frames whose load in `levels` (N
+/// or m) is at least the fraction [`FROM_LOAD`] of the last one. `points` are the common points at which fields are
+/// compared.
 pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<Distance> {
     // Deformation is almost zero at small loads, where relative errors are not meaningful.
     let least = (FROM_LOAD - 1e-9) * levels.last().copied().unwrap_or(1.0);
@@ -103,39 +108,40 @@ pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Field
     frames.map(|((own, truth), _)| Distance::of(points, own, truth)).collect()
 }
 
-/// Reported properties of a member.
+/// Reported properties of a member of the mesh refinement study.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Member {
-    /// Name of the member.
+    /// Name of the member in tables: solver and mesh.
     pub label: String,
-    /// Role of the member.
+    /// Role of the member in the study.
     pub role: Role,
     /// Number of nodes of one pad.
     pub nodes: usize,
-    /// Wall time of a grasp, s; null if no grasp reached its load.
+    /// Wall time of a grasp, s; None (`null` in JSON) if no grasp reached its load.
     pub time_per_grasp_s: Option<f64>,
 }
 
 /// Results of the mesh refinement study.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RefinementStudy {
-    /// Members of the study.
+    /// Members of the study, mesh levels from coarse to fine first.
     pub members: Vec<Member>,
-    /// Distances per quantity: of member i from member j > i, over the norm of j, median over grasps and frames; null
-    /// elsewhere.
+    /// Distances by quantity, as a square matrix: element `[i][j]` with i < j is the distance of member i from member
+    /// j, the median over grasps and frames. It is relative to the norm of member j, except for quantities with a unit
+    /// in their name. Other elements are None (`null` in JSON).
     pub distances: BTreeMap<QuantityName, Vec<Vec<Option<f64>>>>,
-    /// Errors of the reference, per relative quantity.
+    /// Estimated errors of the reference, by quantity, for the relative quantities.
     pub errors: BTreeMap<QuantityName, ErrorEstimate>,
     /// Findings, one sentence each: inconsistent estimates, or missing members.
     pub findings: Vec<String>,
 }
 
-/// Estimated relative error of the reference, with its parts.
+/// Estimated relative error of the reference in one quantity, with its parts. Unknown values are None (`null` in JSON).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
-    /// Root sum of squares of mesh error and path error; null if neither is known.
+    /// Total error: root of the sum of squares of mesh error and path error, as far as they are known.
     pub error: Option<f64>,
-    /// Order of convergence in the cell width, observed on the last three mesh levels; null with fewer, or if they do
+    /// Order of convergence in the cell width, observed on the last three mesh levels; None with fewer, or if they do
     /// not converge.
     pub order: Option<f64>,
     /// Distance between the last two mesh levels: an upper bound of the error of the finest.
@@ -147,7 +153,8 @@ pub struct ErrorEstimate {
 }
 
 impl RefinementStudy {
-    /// Computes the results from the distances of the members.
+    /// Computes the results from the properties of the members and the distances between them in `tally`, in the same
+    /// order.
     pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
         let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
             let middle = |d: &Vec<Distance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());

@@ -1,5 +1,5 @@
-//! Steps per second of batches of environments, against the numbers of environments and threads, and memory per
-//! environment.
+//! Throughput of batches of reinforcement learning environments, in steps per second, against the numbers of
+//! environments and threads; memory per environment; cost of saving and restoring an environment.
 
 use super::clock::{peak_memory, reset_peak_memory};
 use super::snapshots::{SnapshotCost, snapshots};
@@ -21,44 +21,50 @@ const MIN_BATCH_TIME: f64 = 2.0;
 /// Maximum time of an episode, s; a batch that is expected to exceed it is skipped.
 const MAX_EPISODE_TIME: f64 = 60.0;
 
-/// Throughput of one batch.
+/// Throughput of a batch of environments on one backend, for one number of environments and threads.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rate {
-    /// Backend of the scene, or folder of a model.
+    /// Backend of the scene (`fem`, `gnn`), or folder or name of a trained model.
     pub backend: String,
-    /// Number of environments.
+    /// Number of environments in the batch.
     pub envs: usize,
-    /// Number of threads.
+    /// Number of threads that advance the batch.
     pub threads: usize,
-    /// Environment steps per second, summed over the batch, under a random policy, including resets.
+    /// Environment steps per second of wall time, summed over the batch, under a random policy, resets included: median
+    /// over the repetitions.
     pub steps_per_s: f64,
-    /// Time of the longest step of the batch over that of the median step.
+    /// Wall time of the longest step of the batch over that of its median step: largest over the repetitions.
     #[serde(default)]
     pub worst_over_median: f64,
-    /// Largest resident memory of the process, bytes; null if the system does not provide it.
+    /// Largest resident memory of the process during the batch, bytes: largest over the repetitions; None (`null` in
+    /// JSON) if the system does not provide it.
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Results of all batches.
+/// Results of a throughput measurement over all backends and numbers of environments and threads.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rollouts {
-    /// Throughput by backend, threads and environments.
+    /// Throughput of each batch, ordered by backend, number of threads and number of environments.
     pub rates: Vec<Rate>,
-    /// Memory that an environment adds to the process, bytes, by backend.
+    /// Memory that each additional environment adds to the process, as pairs of backend and bytes; without the backends
+    /// for which it is not known.
     pub memory_per_env_bytes: Vec<(String, f64)>,
-    /// Costs of saved environments, by backend.
+    /// Costs of saving and restoring an environment, ordered by backend.
     #[serde(default)]
     pub snapshots: Vec<SnapshotCost>,
-    /// Skipped batches, which would have taken too long.
+    /// Names of the skipped batches: an episode was expected to take more than 60 s.
     pub left_out: Vec<String>,
-    /// Number of repetitions of each batch; rates are medians.
+    /// Number of repetitions of each batch.
     pub repeats: usize,
 }
 
-/// Runs the task of `set` on its own backend and on `models`, for all numbers of environments and threads.
+/// Measures the throughput of the reinforcement learning task of `set` (the scenes of one file, one per object) on the
+/// backend of the scene and on each of `models` (folders or names of trained models), for every number of environments
+/// in `envs` and of threads in `threads`. Each batch runs `repeats` times under a random policy. `progress` receives
+/// the name of each batch before it runs.
 ///
 /// # Errors
-/// Fails if the scene has no task or a model does not fit it.
+/// Fails if the scene has no task, a model does not support it, a step fails, or the process is interrupted.
 pub fn rollouts(
     set: &[NamedScene],
     models: &[PathBuf],
@@ -159,7 +165,8 @@ fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
     all
 }
 
-/// Writes `envs.png` and `envs.svg` into `dir`.
+/// Writes the chart of steps per second against the number of environments, one line per backend and number of threads,
+/// as `envs.png` and `envs.svg` into the folder `dir`.
 ///
 /// # Errors
 /// Fails if a file cannot be written.
@@ -167,7 +174,8 @@ pub fn save_chart(report: &Rollouts, dir: &Path) -> Result<()> {
     save_picture(report, dir, "envs")
 }
 
-/// Returns the table as text.
+/// Returns the report as text: a row per batch, then memory per environment, costs of saved environments and skipped
+/// batches.
 pub fn text(report: &Rollouts) -> String {
     let mut text = format!(
         "random policy, turns: {}\n\nsteps/s  environments  threads  worst/median step  memory MB  backend\n",

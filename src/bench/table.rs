@@ -1,11 +1,13 @@
-//! Text and CSV reports of a comparison.
+//! Text and CSV reports of a comparison of speed and error.
 
 use super::ladder::RefinementStudy;
 use super::quantity::QUANTITIES;
 use super::report::{BenchReport, Point};
 use std::fmt::Write;
 
-/// Returns the table, the profiles and the speed-ups as text.
+/// Returns the report as text: a table with a row per configuration (wall times in s, errors against the reference in
+/// %, median / 90th percentile / worst), the time profile of each, failures and notices, the mesh refinement study, and
+/// the speed-ups at equal error.
 pub fn text(report: &BenchReport) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
@@ -58,7 +60,9 @@ pub fn text(report: &BenchReport) -> String {
     out
 }
 
-/// Describes the members of a mesh refinement study, their mutual distances, and the error estimate of the reference.
+/// Returns the text of a mesh refinement study: its members, the relative differences of their displacement, stress and
+/// force in %, the error estimate of the reference in %, with its parts and the observed order of convergence, and its
+/// findings.
 pub fn ladder(ladder: &RefinementStudy) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
@@ -118,7 +122,9 @@ fn headline(out: &mut String, report: &BenchReport) {
     }
 }
 
-/// Returns CSV with a row per configuration, the reference last; SI, units in the names.
+/// Returns a CSV table with a row per configuration, the reference last: label, backend, sizes, times (s), memory
+/// (bytes), number of failed grasps, and median, 90th percentile and worst of every error. SI units are part of the
+/// column names; an error without a unit is relative. Unknown values are empty.
 pub fn csv(report: &BenchReport) -> String {
     let mut columns: Vec<String> =
         ["label", "backend", "nodes", "unknowns", "cold_s", "time_per_grasp_s", "time_per_frame_s"]

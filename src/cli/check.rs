@@ -1,5 +1,5 @@
-//! Command `tactus check`: checks a scene, and prints it with includes and defaults written out and the properties of a
-//! run.
+//! Command `tactus check`: checks a scene without simulating it, and prints it with includes and defaults written out,
+//! together with the properties of its run.
 
 use super::console::Console;
 use super::findings::{Found, MAX_GRASPS};
@@ -42,10 +42,11 @@ pub struct CheckArgs {
     pub format: Format,
 }
 
-/// Loads the scene, builds everything that a run would build, closes every grasp to first contact, and prints the
-/// findings. The text output is the complete scene with the findings as comments, and loads as the same scene; problems
-/// are at the end. Several objects are printed one after the other; in JSON they are the list `objects` of one JSON
-/// object.
+/// Loads the scene, builds all data of a run, closes its grasps (at most 1000 of each object, at most 50 objects) to
+/// first contact geometrically, without a solver, and prints the findings to `console`. The text output is the complete
+/// scene with the findings as comments, and can be loaded as the same scene; problems are at the end. Several objects
+/// are printed one after the other; in JSON they are the list `objects` of one JSON object. Returns the exit code: 0 if
+/// each examined object has a grasp that can start, otherwise 2.
 ///
 /// # Errors
 /// Fails if the scene or an argument is invalid, or a file cannot be written.

@@ -7,7 +7,9 @@ use dataset::sensitivity::SensitivityRow;
 use std::fmt::Write;
 use world::run::sensitivity::CHANGES;
 
-/// Describes a data set: a row for each object, failures, expectations, the time per grasp.
+/// Returns the text report of a data set: a row for each object with its numbers of grasps by status and its size (MB),
+/// then the failed grasps with their reasons, the expectations and their verdicts, and the time per computed grasp.
+/// `resumed` is the number of grasps that an earlier run had computed, `wall` the wall time of this run, s.
 pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
     // Writing to a String cannot fail.
@@ -43,7 +45,9 @@ pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     out
 }
 
-/// Describes the effect of each change on those grasps that reach their load with and without it.
+/// Returns the text report of a sensitivity study, a line per kind of change: median and largest change of the pad
+/// displacement (%) and of the displacement of the object (mm), over the grasps that reach their load with and without
+/// the change.
 pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
     let mut out = String::new();
     for change in CHANGES {

@@ -1,4 +1,5 @@
-//! Command `tactus fit`: fits the constants of a press to a measured curve.
+//! Command `tactus fit`: fits the gel constants, the friction and the zero of depth of a press to a measured curve of
+//! force against depth.
 
 use super::console::Console;
 use super::{EXPECTATION_FAILED, Format, OK};
@@ -37,10 +38,14 @@ pub struct FitArgs {
     pub format: Format,
 }
 
-/// Runs the fits, and prints and writes the report. The exit code is 1 if a fit did not converge.
+/// Fits Young's modulus, Poisson's ratio, the friction coefficient and the zero of depth of the press in `args.scene`
+/// to the curve in `args.curve`: alone, in pairs and all together, as far as the curve has enough points. Prints the
+/// report to `console`, and writes it with its charts to `args.out` if given. Returns the exit code: 0 if every fit
+/// converged, otherwise 1.
 ///
 /// # Errors
-/// Fails if the scene, the curve or a range is invalid, a press fails, or a file cannot be written.
+/// Fails if the scene, the curve or a range is invalid, a press fails, the process is interrupted, or a file cannot be
+/// written.
 pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let curve = Curve::read(&args.curve)?;

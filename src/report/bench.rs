@@ -1,4 +1,4 @@
-//! Section of a benchmark: time against error of every setting, or cost against problem size.
+//! Sections of a report page for benchmarks: time against error of every setting, and cost against problem size.
 
 use super::page::{Page, PageBlock, Section};
 use base::error::{Error, Result};
@@ -9,10 +9,11 @@ use bench::sizes::SizeStudy;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// Adds the benchmark of settings in `dir`.
+/// Adds the section of a benchmark of time against error to `page`: chart, table of settings, speed-ups, notices and
+/// time by stage. Reads `bench.json` and, if it exists, `bench.svg` in the folder `dir`.
 ///
 /// # Errors
-/// Fails if a file cannot be read or was not written by `tactus bench`.
+/// Fails if `bench.json` cannot be read or a file was not written by `tactus bench`.
 pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let report: BenchReport = read(&dir.join("bench.json"))?;
     let mut blocks = Vec::new();
@@ -43,10 +44,11 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Adds the study of cost against size in `dir`.
+/// Adds the section of a study of cost against problem size to `page`: time and memory of a frame for each mesh
+/// density, and the fitted exponents. Reads `sizes.json` in the folder `dir`.
 ///
 /// # Errors
-/// Fails in the cases of [`contest`].
+/// Fails if the file cannot be read or was not written by `tactus bench`.
 pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
     let report: SizeStudy = read(&dir.join("sizes.json"))?;
     let columns =

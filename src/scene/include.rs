@@ -20,7 +20,13 @@ pub(super) struct Loader {
 }
 
 impl Loader {
-    /// Reads the file with all its includes. `chain` holds the files being read, outermost first.
+    /// Reads the scene file `path` with all its includes. Returns its fields, and for each given field the index of its
+    /// file in `sources`. `chain` holds the files being read, outermost first, to detect cycles. `from` is the index of
+    /// the including file and the position of `path` in its list of includes; None for the outermost file.
+    ///
+    /// # Errors
+    /// Fails for a file that cannot be read, is invalid, includes itself, or exceeds the limits of a scene; the message
+    /// states file, line and column where they are known.
     pub(super) fn tree(
         &mut self,
         path: &Path,
@@ -82,7 +88,8 @@ fn read_part(source: &SceneText) -> Result<ScenePart> {
     Ok(part)
 }
 
-/// Returns the folder of a file; the working directory for standard input.
+/// Returns the folder that relative paths in the scene file `path` refer to: the folder of the file, or the working
+/// directory (an empty path) for standard input.
 pub(super) fn folder(path: &Path) -> PathBuf {
     path.parent().filter(|_| !source::is_stream(path)).map(Path::to_path_buf).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Overrides of a scene for one run, set by the command line or Python.
+//! Values that replace those of a scene for one run, set on the command line or in Python.
 
 use super::dialect::recheck;
 use super::leaf::{Count, Positive};
@@ -22,31 +22,34 @@ pub enum Backend {
 /// Values that replace those of the scene; None and false keep the values of the scene.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// Backend.
+    /// Backend that advances the scene.
     pub backend: Option<Backend>,
-    /// Folder or name of the trained network.
+    /// Folder of a trained network, or name of a bundled one. Only for a network.
     pub model: Option<PathBuf>,
-    /// Largest accepted relative error of the displacement of a network.
+    /// Largest accepted relative error of the displacement that a network predicts; grasps above it are computed by
+    /// finite elements. Only for a network.
     pub error_at_most: Option<f64>,
-    /// Flag: the network also answers outside the range of its training.
+    /// Flag: the network also predicts grasps outside the range of its training, where its error is unknown. Only for a
+    /// network.
     pub extrapolate: bool,
     /// Final force of a squeeze, the sum over the fingers, N.
     pub force: Option<f64>,
     /// Number of recorded frames.
     pub frames: Option<u64>,
-    /// Number of threads.
+    /// Number of threads, 1 to 1024; only for finite elements, ignored for a network.
     pub threads: Option<u64>,
-    /// Limit of the wall time of a grasp, s.
+    /// Limit of the wall time of a grasp, s; above it, the grasp ends as a fault. Only for finite elements.
     pub max_time: Option<f64>,
-    /// Flag: no pictures are written.
+    /// Flag: the run writes no pictures.
     pub no_pictures: bool,
 }
 
 impl Overrides {
-    /// Changes the scene, and checks it again.
+    /// Replaces the given values in `scene`, and validates the scene again.
     ///
     /// # Errors
-    /// Fails if a value is not allowed, does not apply to the backend, or is inconsistent with the rest of the scene.
+    /// Fails if a value is out of range, does not apply to the backend or the loading, or is inconsistent with the rest
+    /// of the scene; `scene` may then be changed in part.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         self.choose(&mut scene.stepper)?;
         self.trust(&mut scene.stepper)?;
@@ -112,10 +115,11 @@ impl Overrides {
     }
 }
 
-/// Limits the wall time of each grasp, s.
+/// Sets the limit of the wall time of each grasp in the settings `stepper` of the backend to `seconds`; above it, a
+/// grasp ends as a fault.
 ///
 /// # Errors
-/// Fails if the time is not above zero, or the backend is a network.
+/// Fails if the time is not a finite number above zero, or the backend is a network.
 pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
     match stepper {

@@ -1,4 +1,5 @@
-//! Environment: a world and its schedule. Environments share only the [`Model`], so any number may run in parallel.
+//! Simulation of one grasp as an entity-component world and the schedule of its steps. Environments share only the
+//! [`Model`], so any number may run in parallel.
 
 use crate::Stepper;
 use crate::schedule::{CurrentGrasp, FallbackReason, Phase, Recorded, Shared, StepSet, Timings, schedule};
@@ -13,14 +14,15 @@ use record::Frame;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Simulation of one grasp.
+/// Simulation of one grasp: the state (a `bevy_ecs` world) and the systems that advance it.
 pub struct Environment {
     world: World,
     schedule: Schedule,
 }
 
 impl Environment {
-    /// Creates the grasp of `model` at `pose`, advanced by `stepper`; the object is not placed yet.
+    /// Creates the grasp of `model` at `pose`, the pose of the hand in the object frame, advanced by the backend
+    /// `stepper`. The first step places the object in the open hand.
     ///
     /// # Errors
     /// Fails if the stepper rejects the scene, or if systems access the same data in an undefined order.
@@ -35,10 +37,11 @@ impl Environment {
         Ok(Self { world, schedule })
     }
 
-    /// Restarts with another grasp of the same model and the same stepper, as if newly created.
+    /// Restarts with another grasp of the same model, at `pose` (the pose of the hand in the object frame). `stepper`
+    /// is the backend that the environment was created with. The result equals that of a new environment.
     ///
     /// # Errors
-    /// Fails if the stepper rejects the scene.
+    /// Fails in the cases of [`Environment::new`].
     pub fn restart(&mut self, stepper: &dyn Stepper, pose: Pose) -> Result<()> {
         let model = self.model().clone();
         if stepper.chooses_systems() {
@@ -49,7 +52,7 @@ impl Environment {
         stepper.prepare(&mut self.world)
     }
 
-    /// Returns the model that is grasped.
+    /// Returns the model of the scene: object, pads, gripper and loads, shared by all grasps.
     pub fn model(&self) -> &Arc<Model> {
         &self.world.resource::<Shared>().0
     }
@@ -59,7 +62,8 @@ impl Environment {
         self.world.resource::<CurrentGrasp>().0
     }
 
-    /// Runs one step of the procedure, unless [`Phase::is_final`]. Returns the phase of the next step.
+    /// Runs one step: places the object, closes the hand to first contact, or advances to the next load level. Does
+    /// nothing in a final phase ([`Phase::is_final`]). Returns the phase of the next step.
     pub fn step(&mut self) -> Phase {
         if !self.phase().is_final() {
             self.world.resource_mut::<Recorded>().0 = None;
@@ -73,18 +77,18 @@ impl Environment {
         self.world.resource::<Phase>().clone()
     }
 
-    /// Returns the frame of the last step, if it made one.
+    /// Returns the frame that the last step recorded; None if it recorded none.
     pub fn frame(&self) -> Option<&Frame> {
         self.world.resource::<Recorded>().0.as_ref()
     }
 
-    /// Removes the frame of the last step from the world and returns it.
+    /// Removes the frame that the last step recorded from the world and returns it; None if there is none.
     pub fn take_frame(&mut self) -> Option<Frame> {
         self.world.resource_mut::<Recorded>().0.take()
     }
 
-    /// Returns the findings of the audit in the frame of the last step; None if no expectation of the scene requires an
-    /// audit.
+    /// Returns the findings of the independent audit of the frame that the last step recorded; None if it recorded
+    /// none, or if no expectation of the scene requires an audit.
     pub fn findings(&self) -> Option<Findings> {
         self.frame().and(self.world.get_resource::<Audited>()?.0)
     }
@@ -94,22 +98,24 @@ impl Environment {
         self.world.get_resource::<FallbackReason>().map(|reason| reason.0.as_str())
     }
 
-    /// Returns the time that the stepper has spent so far, by stage.
+    /// Returns the wall time by stage, s, and the number of iterations that the stepper has spent since the start of
+    /// the grasp.
     pub fn timings(&self) -> &Timings {
         self.world.resource::<Timings>()
     }
 
-    /// Returns the world, read-only.
+    /// Returns the world that holds the state, read-only.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Returns the world, for queries or changes between steps: the next step starts from its columns.
+    /// Returns the world that holds the state, for queries and changes between steps; the next step starts from the
+    /// changed components.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
     }
 
-    /// Returns the names of the systems that run, in their order, per set.
+    /// Returns the names of the systems of a step, by set; sets and systems are in the order in which they run.
     pub fn systems(&self) -> Vec<(StepSet, Vec<String>)> {
         let mut sets = Vec::new();
         for set in StepSet::ALL {

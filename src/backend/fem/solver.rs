@@ -22,15 +22,17 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use world::systems::sense::{center, first_contact};
 
-/// Solver of one grasp.
+/// Finite element solver of one grasp: accepted state, Newton's method, and condensed pads if selected.
 #[derive(Resource)]
 pub struct GraspSolver {
-    /// Solver, accepted state and predictor.
+    /// Loading path: Newton solver, accepted state, and history for the extrapolation of the next state.
     pub path: Path,
+    /// Condensed pads; None for full pads.
     pub(crate) condensed: Option<Condensation>,
     settings: scene::Fem,
     /// Number of load levels so far.
     pub(crate) steps: usize,
+    /// Progress that checkpoints and snapshots store.
     pub(crate) progress: GraspProgress,
 }
 
@@ -46,10 +48,11 @@ pub(crate) struct GraspProgress {
 }
 
 impl GraspSolver {
-    /// Creates the solver of undeformed pads, with the object at `pose`.
+    /// Creates the solver in the state of undeformed pads in the open hand, with the object at `pose` (object frame in
+    /// the hand frame).
     ///
     /// # Errors
-    /// Fails if the symbolic factorisation of a body fails.
+    /// Fails if the symbolic factorisation of the stiffness of a pad fails.
     pub fn new(model: &Model, pose: Pose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
         let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
@@ -106,12 +109,13 @@ impl GraspSolver {
         self.path.restore_state(history)
     }
 
-    /// Returns the scene's settings.
+    /// Returns the finite element settings of the scene.
     pub fn settings(&self) -> &scene::Fem {
         &self.settings
     }
 
-    /// Sets the force on the object, N, hand frame.
+    /// Sets the force at the centre of mass of a free object, N, hand frame, which replaces its weight. Has no effect
+    /// if the model has no weight term.
     pub fn set_weight(&mut self, force: DVec3) {
         self.path.newton.object.weight.iter_mut().for_each(|weight| weight.force = force);
     }
@@ -121,7 +125,8 @@ impl GraspSolver {
         self.path.newton.object.weight.iter_mut().for_each(|weight| weight.part = part);
     }
 
-    /// Returns the convergence criteria at `level`.
+    /// Returns the convergence criteria of Newton's method at the load `level` (force per finger, N, or travel of a
+    /// press, m); they are looser for condensed pads, according to their accepted error.
     pub(crate) fn tolerance(&self, model: &Model, level: f64) -> NewtonTolerance {
         // The force of a press is not known in advance; modulus x depth x thickness of the softer pad is its order of
         // magnitude.
@@ -148,7 +153,11 @@ impl GraspSolver {
         }
     }
 
-    /// Moves the fingers to a clearance of half the contact offset, with a free object centred between them.
+    /// Moves the fingers to a clearance of half the contact offset from the object, with a free object centred between
+    /// them.
+    ///
+    /// # Errors
+    /// Fails with the reason if a pad overlaps the object in the open hand, or a finger does not meet the object.
     pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = 0.5 * model.offset;
@@ -160,7 +169,8 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// Returns the reason why the state, although in equilibrium, is no grasp; None if it is one.
+    /// Returns the reason why the accepted state, although in equilibrium, is no grasp: a finger has exceeded its
+    /// stroke or lost contact. None if it is a grasp.
     pub(crate) fn lost_grip(&self, model: &Model) -> Option<String> {
         let (newton, state) = (&self.path.newton, &self.path.state);
         for i in 0..model.fingers.len() {
@@ -195,6 +205,8 @@ impl GraspSolver {
         format!("moved {moved:.1} mm and turned {turned:.1} degrees")
     }
 
+    /// Returns the message for a solve that failed: where (`at`), the cause, the last accepted load level, and the
+    /// motion of a free object if it is large.
     pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position);
@@ -224,7 +236,8 @@ const CONDENSED_TOLERANCE: f64 = 0.05;
 /// Motion of a free object, over its radius, above which the message of a failed solve mentions it.
 const REPORTED_MOTION: f64 = 0.1;
 
-/// Returns the terms of a full gel under dead `loads` (N per node; empty for none).
+/// Returns the terms of the potential of a full pad: elastic energy, inversion barrier, and the dead loads `loads` (N
+/// per node, hand frame; empty for none).
 pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     let (nodes, centers) = inversion_barrier();
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(nodes), Box::new(centers)];
@@ -232,8 +245,8 @@ pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     terms
 }
 
-/// Returns the weight of the gel of finger `i` on its nodes, N; empty without gravity, and in a dynamic scene, where
-/// the inertia terms include gravity.
+/// Returns the weight of the gel of finger `i`, distributed to its nodes, N, hand frame, for an object at `pose`. Empty
+/// without gravity, and in a dynamic scene, where the inertia terms include gravity.
 pub(crate) fn gel_loads(model: &Model, i: usize, pose: Pose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;

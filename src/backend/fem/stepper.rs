@@ -11,14 +11,14 @@ use world::Stepper;
 use world::schedule::{CurrentGrasp, Shared};
 use world::spawn::spawn_edges;
 
-/// Settings of the backend.
+/// Finite element backend, with the settings of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct FemStepper {
     settings: scene::Fem,
 }
 
 impl FemStepper {
-    /// Creates the backend with the scene's settings.
+    /// Creates the backend with the finite element settings of a scene.
     pub fn new(settings: &scene::Fem) -> Self {
         Self { settings: *settings }
     }
@@ -93,3 +93,5 @@ impl Stepper for FemStepper {
         read
     }
 }
+    /// Returns the message for a solve that failed: where (`at`), the cause, the last accepted load level, and the
+    /// motion of a free object if it is large.

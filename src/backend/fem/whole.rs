@@ -1,4 +1,5 @@
-//! Quantities of full pads from the solver of a grasp, condensed or not.
+//! Quantities of the full pads from the solver of a grasp, whether the pads are condensed or not; start of the
+//! condensation and fallback to the full model.
 
 use super::solver::{GraspSolver, gel, gel_loads};
 use glam::DVec3;
@@ -10,14 +11,17 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 impl GraspSolver {
-    /// Condenses the pads at first contact, if the settings require it.
+    /// Condenses the pads in the state of first contact, if the settings select condensed pads; otherwise does nothing.
+    ///
+    /// # Errors
+    /// Fails with the reason if the stiffness of a pad cannot be factorised.
     pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
         let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
         begun.map_err(|f| self.explain(model, "condensing the pads", f))
     }
 
-    /// Returns true unless an element of condensed pads is close to inversion; condensed pads have no barrier against
-    /// it.
+    /// Returns false if an element of a condensed pad is close to inversion: det F is below 0.02 at a node or at the
+    /// centre. Condensed pads have no barrier against inversion. Always returns true for full pads.
     pub(crate) fn has_no_near_inversion(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
@@ -25,7 +29,7 @@ impl GraspSolver {
         })
     }
 
-    /// Falls back from condensed pads to the full model.
+    /// Replaces the condensed pads by the full pads in the current state, for the rest of the grasp.
     ///
     /// # Errors
     /// Fails if the symbolic factorisation of a full pad fails.
@@ -39,12 +43,13 @@ impl GraspSolver {
         Ok(())
     }
 
-    /// Returns the full pad of finger `i`.
+    /// Returns the full (not condensed) pad of finger `i` (0 left, 1 right).
     pub fn body(&self, i: usize) -> &Arc<Body> {
         self.condensed.as_ref().map_or_else(|| self.path.newton.body(i), |pads| pads.pad(i).body())
     }
 
-    /// Returns the value of the potential, J.
+    /// Returns the value of the incremental potential in the accepted state, J, with the strain energy of the full
+    /// pads.
     pub fn energy(&self) -> f64 {
         let (newton, state) = (&self.path.newton, &self.path.state);
         let Some(pads) = &self.condensed else { return newton.energy(state) };
@@ -57,7 +62,8 @@ impl GraspSolver {
         newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
     }
 
-    /// Returns the force of the mount of finger `i` on the pad, N, hand frame: the reaction of the bonded nodes.
+    /// Returns the force that finger `i` exerts on its pad, N, hand frame: the sum of the reactions at the bonded nodes
+    /// in the equilibrium found last.
     pub fn mount(&self, i: usize) -> DVec3 {
         let bonded = |forces: &[DVec3]| -> DVec3 {
             forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
@@ -67,7 +73,7 @@ impl GraspSolver {
         bonded(self.path.newton.gradient(i)) + elastic
     }
 
-    /// Returns the weight of the gel of finger `i`, N, hand frame.
+    /// Returns the weight of the gel of finger `i` as a force, N, hand frame; zero without gravity.
     pub fn gel_weight(&self, model: &Model, i: usize) -> DVec3 {
         let finger = &model.fingers[i];
         let volume = || finger.body.nodal_volume().iter().sum::<f64>();

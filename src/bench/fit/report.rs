@@ -1,4 +1,4 @@
-//! Results of the fits, as numbers and as text.
+//! Results of fitting a press to a measured curve, as numbers and as text.
 
 use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, ParameterValues, Ranges};
@@ -11,14 +11,15 @@ const NOTHING: f64 = 1e-3;
 /// Largest number of points whose residuals are listed individually.
 const LISTED: usize = 8;
 
-/// Fitted parameter.
+/// Fitted value of a parameter, with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FittedParameter {
-    /// Parameter.
+    /// Parameter that was free in the fit.
     pub parameter: Parameter,
-    /// Value, SI.
+    /// Fitted value, in the SI unit of the parameter.
     pub value: f64,
-    /// Half the width of the 95 % confidence interval, SI; None if there is none: see [`Fit::freedom`] and `at_edge`.
+    /// Half the width of the 95 % confidence interval (Student's t, linearised), in the SI unit of the parameter. None if
+    /// [`Fit::freedom`] is zero, the value is at an end of its range, or the data do not determine the parameter.
     pub interval: Option<f64>,
     /// True if the value is at an end of its range.
     pub at_edge: bool,
@@ -33,12 +34,12 @@ pub struct Fit {
     pub values: ParameterValues,
     /// Simulated over measured force, minus one, at each depth.
     pub residuals: Vec<f64>,
-    /// Root mean square of the residuals.
+    /// Root mean square of `residuals`.
     pub rms: f64,
     /// Degrees of freedom: number of points minus number of parameters inside their ranges; at zero there are no
     /// intervals.
     pub freedom: usize,
-    /// True if the fit converged.
+    /// True if the least-squares iteration converged.
     pub converged: bool,
     /// Number of Levenberg-Marquardt iterations.
     pub iterations: usize,
@@ -64,7 +65,7 @@ impl Fit {
         }
     }
 
-    /// Returns the names of the free parameters.
+    /// Returns the name of the fit: the names of its free parameters, separated by commas, or `all`.
     pub fn name(&self) -> String {
         if self.free.len() == Parameter::ALL.len() {
             return "all".into();
@@ -73,7 +74,7 @@ impl Fit {
         names.join(", ")
     }
 
-    /// Returns the largest residual, absolute.
+    /// Returns the largest absolute value of `residuals`.
     pub fn largest(&self) -> f64 {
         largest(&self.residuals)
     }
@@ -83,26 +84,27 @@ fn largest(residuals: &[f64]) -> f64 {
     residuals.iter().fold(0.0, |most, r| most.max(r.abs()))
 }
 
-/// Fits of a curve.
+/// Results of all fits of a press to a measured curve of force against depth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FitReport {
-    /// Depths of the table, m.
+    /// Depths of the measured curve, m.
     pub depths_m: Vec<f64>,
-    /// Measured forces, N.
+    /// Measured force at each depth, N.
     pub forces_n: Vec<f64>,
     /// Parameters, in the order of `start`, `ranges` and the values of a fit.
     pub parameters: [Parameter; 4],
-    /// Values of the scene, SI.
+    /// Values of the parameters in the scene, SI.
     pub start: ParameterValues,
-    /// Smallest and largest allowed values, SI.
+    /// Smallest and largest allowed value of each parameter, SI.
     pub ranges: [[f64; 2]; 4],
-    /// Relative residuals of the unchanged scene.
+    /// Simulated over measured force, minus one, at each depth, with the values of the scene.
     pub given: Vec<f64>,
-    /// Root mean square of these residuals.
+    /// Root mean square of `given`.
     pub given_rms: f64,
-    /// Fits of each parameter alone, each pair, and all.
+    /// Fits with each parameter free alone, each pair, and all, as far as the curve has enough points.
     pub fits: Vec<Fit>,
-    /// Parameter whose fit alone has the smallest residual; None if the scene already matches the table.
+    /// Parameter whose fit alone has the smallest root mean square residual; None if the scene already matches the
+    /// curve (`given_rms` at most 1e-3).
     pub explains: Option<Parameter>,
     /// Number of simulated presses.
     pub simulations: usize,
@@ -139,17 +141,19 @@ impl FitReport {
         self.fits.iter().all(|f| f.converged)
     }
 
-    /// Returns the fraction of the unchanged scene's sum of squares that a fit removes.
+    /// Returns the fraction of the sum of squared residuals of the unchanged scene that `fit` removes, at most 1.
     pub fn explained(&self, fit: &Fit) -> f64 {
         1.0 - (fit.rms / self.given_rms).powi(2)
     }
 
-    /// Returns the fit with the smallest residual among those with `count` free parameters.
+    /// Returns the fit with the smallest root mean square residual among those with `count` free parameters; None if
+    /// there are none.
     pub fn best(&self, count: usize) -> Option<&Fit> {
         self.fits.iter().filter(|f| f.free.len() == count).min_by(|a, b| a.rms.total_cmp(&b.rms))
     }
 
-    /// Returns the table as text.
+    /// Returns the report as text: a row for the unchanged scene and for each fit, with values, intervals and residuals
+    /// in %, then the ranges and the parameter that explains most of the deviation.
     pub fn text(&self) -> String {
         let mut out = format!("{:<20}", "free");
         // Writing to a String cannot fail.

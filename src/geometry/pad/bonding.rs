@@ -7,41 +7,48 @@ use base::number::shown;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Rule that selects the nodes that are bonded to the finger. Lengths and coordinates are in the frame and the unit of
-/// the mesh.
+/// Rule that selects the pad nodes that are bonded to the finger, i.e. whose displacement relative to the finger is
+/// zero. Lengths and coordinates are in the frame and the unit of the pad mesh: m, except for a mesh that is read with
+/// a scale.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bonding {
-    /// Nodes on or behind a plane, or at most `within` in front of it.
+    /// Nodes whose signed distance in front of a plane is at most `within`. The front is the side opposite to `normal`,
+    /// i.e. that of the sensing face; nodes on and behind the plane are included.
     Plane {
-        /// Unit normal of the plane, into the finger; None is the opposite of the outward direction.
+        /// Unit normal of the plane, pointing into the finger; None selects the opposite of the outward direction of
+        /// the sensing face.
         normal: Option<DVec3>,
-        /// Position of the plane along its normal; None is that of the farthest node.
+        /// Offset of the plane: its points x satisfy `normal . x = offset`. None places the plane at the node that is
+        /// farthest along the normal.
         offset: Option<f64>,
-        /// Distance in front of the plane.
+        /// Largest distance of a bonded node in front of the plane, 0 or more.
         within: f64,
     },
-    /// Nodes at most `within` away from a surface, and all nodes inside it if it is closed.
+    /// Nodes at most `within` away from a triangle surface, and all nodes inside it if it is closed.
     Surface {
-        /// Surface of the body that carries the gel.
+        /// Surface of the rigid body on which the gel is mounted, in the frame and the unit of the pad mesh.
         surface: Arc<TriMesh>,
-        /// Distance from the surface.
+        /// Largest distance of a bonded node from the surface, 0 or more.
         within: f64,
     },
-    /// Nodes with these indices, 0-based.
+    /// Nodes of the pad mesh with these indices, 0-based.
     Nodes(Vec<usize>),
 }
 
 impl Bonding {
-    /// Returns the rule that bonds the nodes at most `within` (m) above the lowest node along the outward direction.
+    /// Returns the rule for a pad with a flat back: it bonds the nodes that are at most `within` (unit of the mesh)
+    /// from the back plane, which is normal to the outward direction of the sensing face and passes through the node
+    /// farthest behind it.
     pub const fn back(within: f64) -> Self {
         Bonding::Plane { normal: None, offset: None, within }
     }
 
-    /// Returns a flag per node of a mesh whose sensing face points along the unit vector `outward`: true if the node is
-    /// bonded.
+    /// Returns a flag per node of `mesh`: true if the node is bonded. `outward` is the outward unit normal of the
+    /// sensing face, in the frame of the mesh.
     ///
     /// # Errors
-    /// Fails for a negative distance, an index out of range, and if no node or every node is bonded.
+    /// Fails with [`Error::Mesh`] for a distance that is negative or not finite, an index out of range, and if no node
+    /// or every node is bonded.
     pub(super) fn choose(&self, mesh: &TetMesh, outward: DVec3) -> Result<Vec<bool>> {
         let bonded: Vec<bool> = match self {
             Bonding::Nodes(list) => listed(list, mesh.nodes.len())?,

@@ -1,4 +1,5 @@
-//! Collision geometry of the hand: palm, finger bodies and pads, as boxes in the hand frame.
+//! Collision geometry of the hand: palm, finger bodies and pads, as axis-aligned boxes in the hand frame (x is the
+//! closing direction, y the finger width, z the approach).
 
 use geometry::Aabb;
 use geometry::Pose;
@@ -11,33 +12,35 @@ use scene::Gripper;
 const PALM: DVec3 = DVec3::new(0.102, 0.0315, 0.0659);
 /// Thickness of a finger behind its pad, m.
 const FINGER: f64 = 0.015;
-/// Approximate distance to the object below which a box counts as colliding, m.
+/// Tolerance of the collision check, m: a box of the hand is bisected until its half sizes are below this length; a
+/// part that small counts as colliding if the object may intersect it.
 pub const CLEARANCE: f64 = 5e-4;
 
-/// Rigid hand with undeformed pads.
+/// Rigid hand with two undeformed pads, for collision checks between hand and object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Bounding box of a pad in the pad frame, m.
+    /// Bounding box of a pad in the pad frame, m: x along the approach, y along the finger width, z out of the sensing
+    /// face.
     pub pad: Aabb,
     /// Distance between the sensing faces of the open hand, m.
     pub opening: f64,
-    /// Centre of the pads along the approach (hand z) and the finger width (hand y), m.
+    /// Point midway between the origins of the two pad frames, hand frame, m; its x component is zero.
     pub center: DVec3,
 }
 
-/// Part of the hand.
+/// Part of the hand that may collide with the object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HandPart {
-    /// Body that carries the fingers.
+    /// Palm: the body to which the fingers are attached.
     Palm,
-    /// Body of a finger, behind its pad and between pad and palm.
+    /// Rigid body of a finger, behind its pad and between pad and palm.
     Finger,
-    /// Pad.
+    /// Soft pad on a finger.
     Pad,
 }
 
 impl HandPart {
-    /// Returns the name of the part in words.
+    /// Returns the name of the part for messages: `palm`, `finger` or `pad`.
     pub fn name(self) -> &'static str {
         match self {
             HandPart::Palm => "palm",
@@ -48,13 +51,15 @@ impl HandPart {
 }
 
 impl Hand {
-    /// Creates the hand of a gripper whose pads have this bounding box (pad frame, m).
+    /// Creates the hand of `gripper`, with its opening and pad placement, for pads with the bounding box `pad` (pad
+    /// frame, m).
     pub fn new(pad: Aabb, gripper: &Gripper) -> Self {
         Self { pad, opening: gripper.opening.get(), center: gripper.placement.center() }
     }
 
-    /// Returns points of the sensing face of the open pad that closes along `closing`: the centres of `n` x `n` equal
-    /// rectangles, hand frame, m.
+    /// Returns `n` x `n` points on the sensing face of a pad of the open hand, hand frame, m: the centres of equal
+    /// rectangles. `closing` is the closing direction of its finger, a unit vector: +x for the left finger, -x for the
+    /// right one.
     pub fn face(&self, closing: DVec3, n: usize) -> impl Iterator<Item = DVec3> {
         let (hand, low, high) = (*self, self.pad.min, self.pad.max);
         let at = move |k: usize, low: f64, high: f64| low + (high - low) * (k as f64 + 0.5) / n as f64;
@@ -64,8 +69,10 @@ impl Hand {
         })
     }
 
-    /// Returns the part that collides with the object when each finger has travelled by `travel` (m) from the open
-    /// hand. The palm is checked first, then the fingers, then the pads. `shift` moves the object along hand x, m.
+    /// Returns the first part that collides with `object`, in the order palm, fingers, pads; None without a collision.
+    /// `object` is the signed distance function of the object, in the object frame; `pose` is the pose of the hand in
+    /// the object frame; `travel` is the travel of each finger from the open hand, m; `shift` is an additional
+    /// displacement of the object along hand x, m.
     pub fn obstacle(&self, object: &dyn SignedDistance, pose: &Pose, travel: f64, shift: f64) -> Option<HandPart> {
         let meets =
             |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
@@ -78,7 +85,8 @@ impl Hand {
         }
     }
 
-    /// Returns the boxes of the pads, left first, hand frame, m.
+    /// Returns the bounding boxes of the undeformed pads, left first, hand frame, m, after each finger has travelled by
+    /// `travel` (m) from the open hand.
     pub fn pads(&self, travel: f64) -> [Aabb; 2] {
         let (near, far) = (0.5 * self.opening - travel - self.pad.max.z, 0.5 * self.opening - travel - self.pad.min.z);
         self.both(near, far, self.center.z + self.pad.min.x)

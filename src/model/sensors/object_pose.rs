@@ -1,14 +1,16 @@
-//! Pose of the object in the hand: privileged information for teacher policies and comparisons, not measured by tactile
-//! sensors.
+//! Observation of the object's pose in the hand: privileged information for teacher policies and comparisons, which
+//! tactile sensors do not measure.
 
 use super::{ArraySpec, Now, Sense, SensorSetup};
 use scene::leaf::LENGTH_LIMIT;
 
-/// Position (m) and quaternion (w, x, y, z) of the object frame in the hand frame.
+/// Observation of the pose of the object frame in the hand frame, array `object_pose` of shape (7): position x, y, z in
+/// m, then the unit quaternion w, x, y, z of the rotation from the object to the hand frame, with w >= 0.
 #[derive(Debug)]
 pub struct PoseInHand;
 
 impl PoseInHand {
+    /// Creates the observation; it does not depend on the hand.
     pub fn new(_: &SensorSetup) -> Self {
         Self
     }

@@ -1,16 +1,18 @@
-//! Queries of the object between the nodes of a pad: first contact may be there.
+//! Gap between pad and object at points between the nodes of the sensing face, where first contact may occur.
 
 use super::object_query::View;
 use crate::linear_response::pad_graph::PadGraph;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 
-/// Point of the object nearest to the face around a node, over the thickness.
+/// Smallest gap between the sensing face around a node and the object. Lengths are dimensionless: relative to the
+/// thickness of the pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
-    /// Gap along the closing direction.
+    /// Smallest gap along the closing direction, among the samples around the node and the node itself.
     pub gap: f64,
-    /// Position of the face point below it relative to the node, along x and y of the pad.
+    /// Position of the sample with this gap relative to the node, along x and y of the pad frame; a weighted mean if
+    /// several samples have almost this gap.
     pub offset: DVec2,
 }
 
@@ -20,8 +22,9 @@ const NEAR: f64 = 0.6;
 /// Difference of gaps, over the thickness, at which the weight of a point falls to 1/e.
 const ALIKE: f64 = 0.01;
 
-/// Returns the nearest points around the face nodes, whose own gaps are `gaps` over the thickness. Samples are the
-/// midpoints of face edges, the centroids of face triangles, and the contact vertices of the object (vertices and
+/// Returns the smallest gap around each node of the sensing face, in the order of `graph.face`. `view` is the object as
+/// seen from one pad at first contact; `gaps` are the gaps of the face nodes themselves, over the thickness. Samples
+/// are the midpoints of face edges, the centroids of face triangles, and the contact points of the object (vertices and
 /// points of sharp edges).
 pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Nearest> {
     let t = graph.thickness;

@@ -3,7 +3,7 @@
 use super::Number;
 use std::sync::{Arc, OnceLock};
 
-/// Sparse matrix in compressed rows, and its transpose.
+/// Constant sparse matrix of `f32` in compressed row storage (CSR), with its transpose.
 #[derive(Debug, Clone)]
 pub struct Sparse {
     forward: Rows,
@@ -49,7 +49,8 @@ impl Rows {
 }
 
 impl Sparse {
-    /// Creates the matrix from the entries (column, weight) of every row.
+    /// Creates the matrix with `cols` columns from the entries (column, weight) of each row; columns are 0-based and
+    /// below `cols`.
     pub fn new(rows: &[Vec<(u32, f32)>], cols: usize) -> Arc<Self> {
         Arc::new(Self { forward: Rows::new(rows, cols), transpose: OnceLock::new() })
     }
@@ -62,22 +63,22 @@ impl Sparse {
         })
     }
 
-    /// Creates a gather: row r of its product with x is row `index[r]` of x.
+    /// Creates a gather matrix with `cols` columns: row r of its product with a matrix x is row `index[r]` of x.
     pub fn gather(index: impl IntoIterator<Item = usize>, cols: usize) -> Arc<Self> {
         Self::new(&index.into_iter().map(|i| vec![(i as u32, 1.0)]).collect::<Vec<_>>(), cols)
     }
 
-    /// Returns the transpose: that of a gather is a scatter-add to the receivers.
+    /// Returns the transpose as a matrix; the transpose of a gather adds each row to its receiver (scatter-add).
     pub fn transposed(&self) -> Arc<Self> {
         Arc::new(Self { forward: self.transpose().clone(), transpose: self.forward.clone().into() })
     }
 
-    /// Returns all entries: ((row, column), weight).
+    /// Returns all stored entries as ((row, column), weight), row by row.
     pub fn entries(&self) -> impl Iterator<Item = ((u32, u32), f32)> + '_ {
         (0..self.rows()).flat_map(|r| self.row(r).iter().map(move |e| ((r as u32, e.0), e.1)))
     }
 
-    /// Returns the entries (column, weight) of a row.
+    /// Returns the stored entries (column, weight) of row `row`.
     pub fn row(&self, row: usize) -> &[(u32, f32)] {
         let Rows { start, entry, .. } = &self.forward;
         &entry[start[row] as usize..start[row + 1] as usize]
@@ -93,14 +94,16 @@ impl Sparse {
         self.forward.cols
     }
 
-    /// Computes `self * x` for a row-major x of `width` columns.
+    /// Computes the product of the matrix and `x`. `x` is row-major with `width` columns; it consists of one or more
+    /// blocks of `cols` rows, each of which is multiplied. Returns the products, row-major, as blocks of `rows` rows.
     pub fn times<T: Number>(&self, x: &[T], width: usize) -> Vec<T> {
         let mut y = vec![T::from(0.0); x.len() / (self.cols() * width).max(1) * self.rows() * width];
         self.forward.add(x, &mut y, width);
         y
     }
 
-    /// Adds `transpose(self) * y` to `x`; both are row-major with `width` columns.
+    /// Adds the product of the transpose and `y` to `x`. Both are row-major with `width` columns, and consist of one or
+    /// more blocks: of `rows` rows in `y`, of `cols` rows in `x`.
     pub fn add_transposed<T: Number>(&self, y: &[T], x: &mut [T], width: usize) {
         self.transpose().add(y, x, width);
     }

@@ -19,7 +19,9 @@ pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<
     force.iter().map(|force| pressing(force) > part * most).collect()
 }
 
-/// Returns the contact area of a pad, m2, if only nodal forces are known.
+/// Returns an estimate of the contact area of the pad of `finger`, m2, from the contact forces `force` on its nodes (N,
+/// hand frame, in the order of the nodes), for a backend that has no contact points. A node counts if its pressing
+/// force exceeds a fifth of the largest one.
 pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
     let pressed = pressed(force, finger.placement.closing, WITHIN);
     let part = |around: &Stencil| {
@@ -32,8 +34,8 @@ pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
     points.map(|(area, around)| area * part(around)).sum()
 }
 
-/// Measures the contact area of each pad: that of the contact points under pressure. If only nodal forces are known, a
-/// point counts with the weights of the pressed nodes around it.
+/// Measures the contact area of each pad, m2, and writes it to [`ContactArea`]: the sum of the reference areas of the
+/// contact points under pressure, or the estimate of [`by_nodes`] if the backend has only nodal forces.
 pub fn measure_contact_area(
     shared: Res<Shared>,
     edges: Query<(&FingerIndex, &ContactEdge)>,

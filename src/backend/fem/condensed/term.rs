@@ -10,20 +10,23 @@ use mech::potential::term::{Assembly, BodyTerm};
 use pulp::{Arch, NullaryFnOnce};
 use std::sync::Arc;
 
-/// Energy `1/2 (x - c)' S (x - c)` on the nodes of a patch, which are the free nodes of the body, in the same order.
+/// Elastic energy of a statically condensed pad (Guyan 1965), J: `1/2 (x - c)' S (x - c)` for the positions `x` of the
+/// nodes of a patch, which are the free nodes of the body, in the same order. `S` is [`CondensedEnergy::stiffness`],
+/// `c` is [`CondensedEnergy::center`].
 #[derive(Debug, Clone)]
 pub struct CondensedEnergy {
-    /// Equilibrium position of the patch without load, m, relative to the finger.
+    /// Equilibrium position of each patch node without contact, m, relative to the finger.
     pub center: Vec<DVec3>,
-    /// Nodes of the patch.
+    /// Indices of the pad nodes that form the patch, 0-based.
     pub patch: Arc<[u32]>,
-    /// Stiffness, N/m, symmetric, three rows per node of the patch.
+    /// Condensed stiffness `S`, N/m: a symmetric matrix with three rows and columns per patch node (x, y, z), the Schur
+    /// complement of the pad's stiffness.
     pub stiffness: Arc<Mat<f64>>,
 }
 
 impl CondensedEnergy {
-    /// Returns the displacement from the centre and the elastic force, `S (x - c)`, N, three entries per node of the
-    /// patch.
+    /// Returns the displacement `x - c`, m, and the gradient of the energy, `S (x - c)`, N, each with three entries per
+    /// patch node. `x` are the positions of all nodes of the pad relative to the finger, m.
     pub fn force(&self, x: &[DVec3]) -> (Vec<f64>, Vec<f64>) {
         let moved = self.patch.iter().zip(&self.center).flat_map(|(&n, c)| (x[n as usize] - *c).to_array());
         let moved: Vec<f64> = moved.collect();

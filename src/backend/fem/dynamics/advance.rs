@@ -6,9 +6,10 @@ use mech::potential::state::State;
 /// Largest number of moves towards a prediction.
 const MOVES: usize = 32;
 
-/// Returns the initial guess of a step from `from`: the predicted state if it has no higher potential and a motion of
-/// at most `safe` (m), which cannot jump over a pad; otherwise the last state without contact on the way to it, if that
-/// has no higher potential; otherwise `from`.
+/// Returns the initial guess of Newton's method for a time step from the state `from`. This is `predicted`, the
+/// extrapolated state, if its potential is not higher than that of `from` and no point moves by more than `safe` (m),
+/// so that nothing passes through a pad. Otherwise it is the last state without contact on the way to `predicted`
+/// (conservative advancement, Mirtich and Canny 1995), if its potential is not higher; otherwise it is `from`.
 pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
     let motion = largest_motion(newton, from, &predicted);
     let (here, there) = (newton.energy(from), newton.energy(&predicted));

@@ -1,4 +1,5 @@
-//! Time integration: predict, solve, accept; on failure, roll back and shorten the step.
+//! Implicit time integration of a dynamic grasp (backward Euler): each step extrapolates the motion, solves for the end
+//! of the step by Newton's method and accepts it; a step that fails is rolled back and repeated with a smaller size.
 
 use super::{advance, terms};
 use base::error;
@@ -16,12 +17,14 @@ use mech::potential::time_step::TimeStep;
 use model::{Dynamics, Model};
 use scene::motion::HandState;
 
-/// Time and history for the predictor. Velocities and friction anchors are stored in the terms.
+/// Time integrator of a dynamic grasp: backward Euler with an adaptive step size. It stores the time, the state of the
+/// hand and the previous state for the extrapolation; velocities and friction anchors are stored in the terms of the
+/// potential.
 #[derive(Resource, Debug)]
 pub struct Integrator {
     /// Time reached, s.
     pub time: f64,
-    /// State of the hand at that time.
+    /// Prescribed state of the hand at `time`: its pose in the world, and the sum of the closing forces.
     pub hand: HandState,
     pose: Pose,
     /// State one step before the accepted one, and the size of that step, s.
@@ -39,15 +42,19 @@ const TIME_STEP_TOLERANCE: f64 = 1e-2;
 const STRIDE: f64 = 2.0;
 
 impl Integrator {
-    /// Creates the integrator at time zero of a grasp at `pose`.
+    /// Creates the integrator at time zero for the motions of `dynamics`. `pose` is the pose of the hand in the object
+    /// frame at the start.
     pub fn new(dynamics: &Dynamics, pose: Pose) -> Self {
         Self { time: 0.0, hand: dynamics.hand(&pose, 0.0), pose, before: None, size: StepSize::UNKNOWN }
     }
 
-    /// Advances time to `end` (s).
+    /// Advances the state of `path` to the time `end` (s), in one or more time steps of at most the time step of the
+    /// scene. `settings` are the finite element settings of the scene. Returns the numbers of iterations and steps, and
+    /// the residual of the last step, N.
     ///
     /// # Errors
-    /// Fails if the shortest step does not converge; returns its time and the cause. The state is then the last
+    /// Fails if a step of the smallest size (1/64 of a time step) does not converge, or if the limit of iterations or
+    /// wall time is reached. Returns the time at the end of that step, s, and the cause. The state is then the last
     /// accepted one.
     pub fn advance(
         &mut self,

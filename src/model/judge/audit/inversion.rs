@@ -1,4 +1,5 @@
-//! Values of det F of tetrahedra from their node positions.
+//! Determinant of the deformation gradient F of tetrahedra, from node positions alone, for the independent audit of
+//! frames.
 
 use glam::{DMat3, DVec3};
 use record::{ElementNodes, PadTopology};
@@ -6,8 +7,9 @@ use record::{ElementNodes, PadTopology};
 /// End nodes of the edges whose mid-edge nodes are 4 to 9.
 pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-/// Returns the smallest det F of a pad whose nodes are at `x`, m. A linear tetrahedron has one value; a 10-node one is
-/// evaluated at the corners, the edge midpoints, the four points of the quadrature rule of degree 2 and the centre.
+/// Returns the smallest det F of a pad whose nodes are at `x`, m, with the reference positions of `topology`; a value
+/// of 0 or less means an inverted element. A 4-node tetrahedron has one value; a 10-node one is evaluated at the
+/// corners, the edge midpoints, the four points of the quadrature rule of degree 2 (Keast 1986) and the centre.
 pub fn min_det_f(topology: &PadTopology, x: &[DVec3]) -> f64 {
     let rest = &topology.rest;
     match &topology.elements {
@@ -45,8 +47,9 @@ fn points() -> Vec<[f64; 4]> {
     points
 }
 
-/// Computes the derivative of the position with respect to the barycentric coordinates 1 to 3, m; coordinate 0 is one
-/// minus their sum.
+/// Computes the derivative of the position in a 10-node tetrahedron with node positions `x` (m) with respect to the
+/// barycentric coordinates 1 to 3, at the barycentric coordinates `l`. Returns a matrix with one column per coordinate,
+/// m; coordinate 0 is one minus their sum.
 pub(crate) fn jacobian(x: &[DVec3; 10], l: &[f64; 4]) -> DMat3 {
     let mut d: [DVec3; 4] = std::array::from_fn(|k| x[k] * (4.0 * l[k] - 1.0));
     for (e, [i, j]) in EDGES.into_iter().enumerate() {
@@ -56,7 +59,8 @@ pub(crate) fn jacobian(x: &[DVec3; 10], l: &[f64; 4]) -> DMat3 {
     DMat3::from_cols(d[1] - d[0], d[2] - d[0], d[3] - d[0])
 }
 
-/// Computes the position of a 10-node tetrahedron at barycentric coordinates `l`, m.
+/// Computes the position of the point of a 10-node tetrahedron with node positions `x` (m) at the barycentric
+/// coordinates `l`, m.
 pub(crate) fn position(x: &[DVec3; 10], l: &[f64; 4]) -> DVec3 {
     let corners: DVec3 = (0..4).map(|k| x[k] * (l[k] * (2.0 * l[k] - 1.0))).sum();
     EDGES.into_iter().enumerate().fold(corners, |p, (e, [i, j])| p + x[4 + e] * (4.0 * l[i] * l[j]))
