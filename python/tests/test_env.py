@@ -157,7 +157,7 @@ def test_snapshots_that_do_not_fit_are_refused():
     bad = {
         "cannot be read": [saved[:-9], b"", b"no snapshot"],
         "of another scene": [other.save(0)],
-        "checksum does not fit": [changed],
+        "checksum does not match": [changed],
     }
     for said, snapshots in bad.items():
         for snapshot in snapshots:

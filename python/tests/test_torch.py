@@ -256,7 +256,7 @@ def test_a_folder_is_loaded_as_the_name_is(network):
     folder = tactus.torch.Network.load(ROOT / "models" / "universe")
     for (name, mine), (_, other) in zip(folder.named_parameters(), network.named_parameters()):
         assert torch.equal(mine.cpu(), other.cpu()), name
-    with pytest.raises(FileNotFoundError, match="a model is made by"):
+    with pytest.raises(FileNotFoundError, match="a model is created by"):
         tactus.torch.Network.load("nowhere")
 
 
@@ -269,7 +269,7 @@ def test_what_cannot_be_answered_says_why(network):
         ({"poses": [far]}, "no grasp has an answer"),
         ({"poses": [[0, 0, 0]]}, "7 finite numbers"),
         ({"poses": [here], "force": [-1.0]}, "a force of -1 N"),
-        ({"poses": [here], "friction": 3.0}, "friction is 3, trained was"),
+        ({"poses": [here], "friction": 3.0}, "friction is 3, the training range is"),
         ({"poses": [here], "friction": [0.8] * 3}, "friction: for 3 grasps"),
     ):
         with pytest.raises(ValueError, match=why):

@@ -23,7 +23,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
                 None => Ok(()),
             },
             Err(_) => {
-                Err((field, format!("no file at {}\npaths start at the folder of the scene file", path.display())))
+                Err((field, format!("no file at {}\npaths are relative to the folder of the scene file", path.display())))
             }
         }
     };
@@ -58,7 +58,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
         };
         let twice = |names: &[&str]| match names.iter().find(given) {
             Some(name) => {
-                let message = format!("the robot says what the {name} is; leave one of them out");
+                let message = format!("the {name} is already defined by the robot; leave one of them out");
                 Err((format!("{field}.{name}"), message))
             }
             None => Ok(()),

@@ -143,7 +143,7 @@ fn missing_files_folders_and_unknown_types() {
     let dir = tempfile::tempdir().expect("temporary folder");
     let message = |p: PathBuf| io::read_tet_mesh(p).expect_err("must be refused").to_string();
     assert!(message(dir.path().join("none.tet")).contains("cannot be read"));
-    assert!(message(dir.path().join("pad.xyz")).contains("`.xyz` is not read here; allowed: .tet"));
+    assert!(message(dir.path().join("pad.xyz")).contains("`.xyz` is not supported here; allowed: .tet"));
     assert!(message(dir.path().join("pad")).contains("file type `.`"));
     fs::create_dir(dir.path().join("folder.tet")).expect("folder");
     assert!(message(dir.path().join("folder.tet")).contains("not a regular file"));

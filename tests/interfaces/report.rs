@@ -257,7 +257,7 @@ fn what_holds_no_results_is_refused_by_name() {
         String::from_utf8(output.stderr).unwrap()
     };
     let empty = refusal(&["report", text(dir.path())]);
-    assert!(empty.contains("holds no results") && empty.contains("run.json"), "{empty}");
+    assert!(empty.contains("contains no results") && empty.contains("run.json"), "{empty}");
     std::fs::write(dir.path().join("bench.json"), "{}").unwrap();
     let wrong = refusal(&["report", text(dir.path())]);
     assert!(wrong.contains("bench.json") && wrong.contains("not what `tactus bench` writes"), "{wrong}");

@@ -62,8 +62,7 @@ impl Stepper for FemStepper {
     fn notices(&self, model: &Model) -> Vec<String> {
         let scene::Solver::Condensed(c) = self.settings.solver else { return Vec::new() };
         let notice = format!(
-            "pads are condensed to an error of {:e} while the object is held; once it is let go, at {:.4} N per finger, their error is not \
-             checked: where it then rolls or slides they may be off by as much as they move. `solver: Full` checks it",
+            "pads are condensed to an error of {:e} while the object is fixed; after its release at {:.4} N per finger their error is not checked, and may be as large as their displacement if the object rolls or slides. `solver: Full` avoids this error",
             c.error.get(),
             model.release
         );
@@ -71,7 +70,7 @@ impl Stepper for FemStepper {
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
-        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let missing = || Error::Start("the world was not created for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
         let pose = grasp.0.inverse();
@@ -257,7 +256,7 @@ impl GraspSolver {
             if state.travel[i] > model.stroke {
                 let stroke = model.stroke * 1e3;
                 return Some(format!(
-                    "the {name} finger ran past its stroke of {stroke:.1} mm: {}",
+                    "the {name} finger exceeded its stroke of {stroke:.1} mm: {}",
                     self.escaped(model)
                 ));
             }
@@ -272,7 +271,7 @@ impl GraspSolver {
     fn escaped(&self, model: &Model) -> String {
         match model.free {
             true => format!("the object was squeezed out (it {})", self.moved()),
-            false => "nothing is left to push against".into(),
+            false => "it no longer touches the object".into(),
         }
     }
 
@@ -281,7 +280,7 @@ impl GraspSolver {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position) * 1e3;
         let turned = (state.rotation * self.progress.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
-        format!("moved {moved:.1} mm and turned {turned:.1} degrees")
+        format!("moved by {moved:.1} mm and rotated by {turned:.1} degrees")
     }
 
     pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
@@ -290,7 +289,7 @@ impl GraspSolver {
         let far = match model.free && moved > REPORTED_MOTION * model.object.bounding_radius {
             true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
             // Whether it would have reached equilibrium is unknown.
-            true => format!("; the object {} on the way", self.moved()),
+            true => format!("; the object {} before that", self.moved()),
             false => String::new(),
         };
         format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)

@@ -24,7 +24,7 @@ pub fn locking_notice(body: &Body) -> Option<String> {
         }
         Elements::Quadratic(_) => return None,
     };
-    Some(format!("locked at nu = {nu}: {what}; use element: Quadratic with mean_dilatation: true"))
+    Some(format!("volumetric locking at nu = {nu}: {what}; use element: Quadratic with mean_dilatation: true"))
 }
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ pub(crate) fn at(path: &Path, word: Word<'_>, message: impl std::fmt::Display) -
 
 /// Returns an error about the end of the file.
 pub(crate) fn ended(path: &Path, expected: &str) -> Error {
-    Error::file(path, format!("the file ends where {expected} should follow; it is cut short: write or copy it again"))
+    Error::file(path, format!("the file ends where {expected} should follow; it is truncated: write or copy it again"))
 }
 
 /// Returns at most 40 characters of a word, for quoting.
