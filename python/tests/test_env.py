@@ -156,7 +156,7 @@ def test_snapshots_that_do_not_fit_are_refused():
     changed = saved[:middle] + bytes([saved[middle] ^ 1]) + saved[middle + 1 :]
     bad = {
         "cannot be read": [saved[:-9], b"", b"no snapshot"],
-        "of another scene": [other.save(0)],
+        "belongs to another scene": [other.save(0)],
         "checksum does not match": [changed],
     }
     for said, snapshots in bad.items():

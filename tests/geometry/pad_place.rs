@@ -157,7 +157,7 @@ fn lists_of_nodes_are_indices_or_a_mask() {
     assert_eq!(read("1\n0\n0\n1\n"), Ok(vec![0, 3]));
     let message = |text: &str| read(text).expect_err("refused");
     assert!(message("0\n4\n").contains("line 2, column 1: node index 4, but the mesh has 4 nodes; allowed: 0..=3"));
-    assert!(message("2 2\n").contains("line 1, column 3: node index 2 stands twice"));
+    assert!(message("2 2\n").contains("line 1, column 3: node index 2 occurs twice"));
     assert!(message("x\n").contains("line 1, column 1: node index `x`"));
     assert!(message("").contains("the list of bonded nodes is empty"));
 }

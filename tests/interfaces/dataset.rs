@@ -153,7 +153,7 @@ fn damage_is_named_and_the_rest_stays_usable() {
     let set = DataSet::open(tiny.out("out")).unwrap();
     assert_eq!(set.objects.len(), 1);
     let refused = set.damaged[0].to_string();
-    assert!(refused.contains("box_") && refused.contains("cut off"), "{refused}");
+    assert!(refused.contains("box_") && refused.contains("truncated"), "{refused}");
     let error = set.objects[0].grasp(1).unwrap_err().to_string();
     assert!(error.contains("ball_") && error.contains("grasp 1 is damaged"), "{error}");
     assert!(set.objects[0].grasp(0).is_ok() && set.objects[0].grasp(2).is_ok(), "the other grasps are read");

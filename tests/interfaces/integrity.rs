@@ -90,10 +90,10 @@ fn a_network_compares_the_pads_before_it_solves_for_them_and_names_both() {
     let refused = tactus(folder, &cache, &["run", "finer.ron", "--backend", "gnn", "--model", model]);
     let text = errors(&refused);
     assert_eq!(refused.status.code(), Some(2), "{text}");
-    assert!(text.contains("another mesh") && text.contains("trained was"), "{text}");
+    assert!(text.contains("another mesh") && text.contains("the training data have"), "{text}");
     assert_eq!(text.matches(" mm, spacing ").count(), 2, "what it met and what it knows: {text}");
     let known = Sensor::of(&set(made()).objects[0].pads[0]);
-    assert!(text.contains(&format!("3625 nodes; trained was {known}")), "{text}");
+    assert!(text.contains(&format!("3625 nodes; the training data have {known}")), "{text}");
     assert!(files(&cache).is_empty(), "something was solved: {:?}", files(&cache));
     for (scene, why) in
         [("fingers: None", "a free object between 0 finger(s)"), ("fingers: One", "a free object between 1 finger(s)")]

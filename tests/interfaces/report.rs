@@ -188,7 +188,7 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
         html.contains("Speed against error") && picture(&html).contains("<svg") && picture(&html).contains("Pareto")
     );
     assert!(html.contains("quadratic 4x4x2") && html.contains("0 reached"));
-    assert!(markdown.contains("| setting | nodes | s a grasp |") && markdown.contains("| quadratic 4x4x2 |"));
+    assert!(markdown.contains("| setting | nodes | s per grasp |") && markdown.contains("| quadratic 4x4x2 |"));
     let data = data_of(&html);
     let shown = &data["grasps"][0];
     assert_eq!(shown["states"].as_array().unwrap().len(), 1, "a run knows no second state");

@@ -169,7 +169,7 @@ fn check_names_grasps_that_cannot_start() {
     };
     let (code, problems) = check("(position: (0, 0, -0.1)), (position: (0, 0.2, -0.1))");
     assert_eq!((code, problems.len()), (Some(0), 1));
-    assert!(problems[0].as_str().unwrap().starts_with("grasp 1: the left finger meets nothing"));
+    assert!(problems[0].as_str().unwrap().starts_with("grasp 1: the left finger does not touch the object"));
     assert_eq!(check("(position: (0, 0.2, -0.1))").0, Some(2), "nothing could run");
 }
 
@@ -308,5 +308,5 @@ fn completions_and_manual_name_every_command() {
         assert!(page.contains("OPTIONS"), "{command}: {page}");
     }
     let version = String::from_utf8(tactus(&["--version"]).stdout).unwrap();
-    assert!(version.contains("data sets of layout") && version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+    assert!(version.contains("data set layout") && version.contains(env!("CARGO_PKG_VERSION")), "{version}");
 }

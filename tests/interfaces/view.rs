@@ -195,7 +195,7 @@ fn a_scene_runs_while_it_is_viewed_and_its_verdict_is_the_exit_code() {
     let mut line = String::new();
     let mut watching = watching;
     watching.stderr.read_line(&mut line).unwrap();
-    assert!(line.contains("stays until Ctrl-C"), "{line}");
+    assert!(line.contains("is available until Ctrl-C"), "{line}");
     assert_eq!(watching.end().0, Some(1));
 }
 

@@ -1052,7 +1052,7 @@ fn models_of_former_versions_name_their_successor() {
     )
     .unwrap();
     let error = Trained::read(&model).unwrap_err().to_string();
-    for says in ["trained by tactus 0.1.0", "feature version 2", "`tactus train`", "ships: universe"] {
+    for says in ["trained by tactus 0.1.0", "feature version 2", "`tactus train`", "built-in network: universe"] {
         assert!(error.contains(says), "`{says}` is not in: {error}");
     }
     let error = Trained::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();

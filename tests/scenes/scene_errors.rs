@@ -307,7 +307,7 @@ fn words_of_motion_are_checked() {
     );
     refused(&dynamic("Hold(duration: 0)"), 3, 43, &["must be above zero"]);
     refused(&dynamic("Hold(duration: 2000)"), 3, 43, &["must be at most 1000 s", "2000 ms is 2"]);
-    refused(&dynamic("Lift(height: 0.1, duration: 1)"), 3, 28, &["against gravity", "Move(by: (x, y, z), ...)"]);
+    refused(&dynamic("Lift(height: 0.1, duration: 1)"), 3, 28, &["a lift needs gravity", "Move(by: (x, y, z), ...)"]);
     refused(&dynamic("Close(force: -1, duration: 1)"), 3, 41, &["must be zero or above"]);
     refused(
         &dynamic("Rotate(angle_deg: 9, axis: (0, 0, 0), duration: 1)"),
@@ -316,7 +316,7 @@ fn words_of_motion_are_checked() {
         &["a direction of length zero", "(0, 0, 1) is along +z"],
     );
     refused(&dynamic("Repeat(times: 3, motions: [])"), 3, 28, &["repeats an empty list of motions"]);
-    refused(&dynamic(""), 3, 27, &["no motion", "Hold(duration: 0.5)"]);
+    refused(&dynamic(""), 3, 27, &["an empty list of motions", "Hold(duration: 0.5)"]);
     line_three("ground: Plane(),", 9, &["only a dynamic scene has this", "loading: Dynamic"]);
     line_three("expect: [ObjectHeld(slip_at_most: 1e-3)],", 10, &["ObjectHeld needs loading: Dynamic"]);
     line_three("gripper: (fingers: None),", 20, &["this loading needs fingers"]);

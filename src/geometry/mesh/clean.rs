@@ -63,7 +63,7 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     }
     if turned > 0 {
         notices
-            .push(format!("inverted {turned} of {} that had negative volume", counted(mesh.tets.len(), "tetrahedron")));
+            .push(format!("reoriented {turned} of {} that had negative volume", counted(mesh.tets.len(), "tetrahedron")));
     }
     refuse_flat(mesh)?;
     surface::refuse_non_manifold(mesh)?;

@@ -134,7 +134,7 @@ impl TrainedRange {
         let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
         let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
         let alike = if own == known { ", with nodes at other positions" } else { "" };
-        Some(format!("its pads are of another sensor or mesh: {own}; the training data have {known}{alike}"))
+        Some(format!("its pads are of another sensor or another mesh: {own}; the training data have {known}{alike}"))
     }
 
     /// Checks that a grasp of `model`, whose pads have a mesh with this hash, is of a supported kind and, unless it may

@@ -79,5 +79,5 @@ fn quaternions_of_six_digits_are_right_angles() {
     let gripper = read(&[("p.xml", &text)], "hand", ["left_pad", "right_pad"]);
     let gripper = gripper.unwrap();
     measures(&gripper, [0.07, 0.035, 0.0, 0.105], 1e-6);
-    assert!(gripper.notice.0.unwrap().contains("off by up to"), "the note says by how much");
+    assert!(gripper.notice.0.unwrap().contains("errors of up to"), "the note says by how much");
 }

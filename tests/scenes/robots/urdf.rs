@@ -62,7 +62,7 @@ fn followers_that_make_no_parallel_gripper_are_refused_by_their_gear() {
     refused(follow("multiplier=\"-1\""), &["moves both fingers in the same direction"]);
     refused(follow("offset=\"0.02\""), &["0.01 m off its middle"]);
     refused(follow("multiplier=\"half\""), &["g.urdf:10:", "<mimic multiplier=\"half\">: \"half\" is not a number"]);
-    refused(hand("<mimic joint=\"right_slide\"/>", "<mimic joint=\"left_slide\"/>", ""), &["in a circle"]);
+    refused(hand("<mimic joint=\"right_slide\"/>", "<mimic joint=\"left_slide\"/>", ""), &["form a cycle"]);
     refused(hand(OPEN, "<mimic joint=\"motor\"/>", ""), &["<mimic", "refers to the joint \"motor\", which does not exist"]);
     refused(hand("", "<mimic joint=\"left_slide\"/>", ""), &["\"left_slide\"> has no <limit>"]);
     refused(
