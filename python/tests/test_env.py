@@ -74,7 +74,7 @@ def test_results_are_copies_or_alternate():
 def test_a_bad_action_names_its_environment():
     env = vector()
     env.reset(seed=1)
-    with pytest.raises(ValueError, match="environment 1: its action holds NaN"):
+    with pytest.raises(ValueError, match="environment 1: its action contains NaN"):
         env.step(np.array([[0.0], [np.nan]]))
     with pytest.raises(ValueError, match=r"actions have shape \(3,\); allowed: \(2, 1\)"):
         env.step(np.zeros(3))

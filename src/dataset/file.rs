@@ -86,7 +86,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
             if mirrored {
                 "node and tetrahedron i of the right pad mirror those of the left along pad x"
             } else {
-                "the right pad is not the mirror image of the left one: the loader's rest shape of it does not fit"
+                "the right pad is not the mirror image of the left one: the loader's undeformed shape of it is wrong"
             },
         ),
     ] {

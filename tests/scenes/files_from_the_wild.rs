@@ -583,7 +583,7 @@ fn a_line_of_a_megabyte_is_read_in_the_time_of_its_length() {
     });
     let longer = format!("# {}\n", "1 ".repeat(4_000_000));
     let error = read("a.tet", longer.as_bytes()).unwrap_err();
-    assert!(error.contains("line 1 has 8000002 bytes; at most 4194304 are read"), "{error}");
+    assert!(error.contains("line 1 has 8000002 bytes; at most 4194304 are allowed"), "{error}");
     let word = read("a.tet", "x".repeat(100_000).as_bytes()).unwrap_err();
     assert!(word.len() < 400, "a word of 100,000 letters is quoted in {} letters", word.len());
 }

@@ -86,7 +86,7 @@ pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
     }
     if let Some((i, line)) = bytes.split(|b| *b == b'\n').enumerate().find(|(_, line)| line.len() > MAX_LINE) {
         let (number, length) = (i + 1, line.len());
-        let message = format!("line {number} has {length} bytes; at most {MAX_LINE} are read: break it into lines");
+        let message = format!("line {number} has {length} bytes; at most {MAX_LINE} are allowed: break it into lines");
         return Err(Error::file(path, message));
     }
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
