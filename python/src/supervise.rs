@@ -142,7 +142,9 @@ where
             Ok(Done::Panicked(message)) => {
                 return Err(PyRuntimeError::new_err(format!("internal error of tactus: {message}")));
             }
-            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("a thread of tactus ended unexpectedly")),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("a thread of tactus ended unexpectedly"));
+            }
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(raised) = py.check_signals().and_then(|()| look(py)) {
                     given_up.store(true, Ordering::SeqCst);

@@ -103,7 +103,8 @@ impl Stepper for GuardedNetwork {
             let [saved, own] =
                 [handed_over, !handed_over].map(|elements| if elements { "finite elements" } else { "the network" });
             return Err(Error::Start(format!(
-                "the saved grasp was computed by {saved}, but here it would be computed by {own}: it belongs to another scene, model or version"
+                "the saved grasp was computed by {saved}, but here it would be computed by {own}: it belongs to \
+                 another scene, model or version"
             )));
         }
         self.chosen(world).restore_state(world, history)

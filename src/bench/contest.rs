@@ -210,8 +210,11 @@ impl RefinementRun {
             let values = last.map_or_else(FrameValues::new, |(model, frame)| values(model, frame));
             steps.push(MemberResult { role: *role, fields: entry.fields(&frames), values });
             if let Some(reason) = entry.failed.pop() {
-                let whose =
-                    if *role == Role::Reference { "the reference; the grasp is omitted" } else { &entry.configuration.label };
+                let whose = if *role == Role::Reference {
+                    "the reference; the grasp is omitted"
+                } else {
+                    &entry.configuration.label
+                };
                 self.notices.push(format!("{reason} in {whose}"));
             }
             levels = model.map_or(levels, |m| m.levels.clone());

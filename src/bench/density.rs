@@ -27,7 +27,8 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
         Pads::File(f) => {
             return Err(Error::file(
                 &f.path,
-                "the mesh of a pad from a file is fixed and cannot be refined or coarsened; allowed here: GelSightMini, Box, Disc",
+                "the mesh of a pad from a file is fixed and cannot be refined or coarsened; allowed here: \
+                 GelSightMini, Box, Disc",
             ));
         }
     })

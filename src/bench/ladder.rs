@@ -161,7 +161,8 @@ impl RefinementStudy {
         let mut ladder = Self { members, distances, errors, findings: Vec::new() };
         ladder.findings = ["displacement", "stress"].into_iter().flat_map(|name| ladder.finding(name)).collect();
         if ladder.members.iter().filter(|m| matches!(m.role, Role::Rung | Role::Reference)).count() < 2 {
-            let text = "the pads have only one mesh: its discretisation error is unknown, only the effect of other settings is measured";
+            let text = "the pads have only one mesh: its discretisation error is unknown, only the effect of other \
+                settings is measured";
             ladder.findings.push(text.into());
         }
         ladder
@@ -195,7 +196,8 @@ impl RefinementStudy {
         if let Some(path) = e.by_path.filter(|path| *path > mesh) {
             doubts.push(format!("the path error ({}) is larger", percent(path)));
         }
-        let text = || format!("{name}: the estimate of the mesh error is {}, but {}", percent(mesh), doubts.join(", and "));
+        let text =
+            || format!("{name}: the estimate of the mesh error is {}, but {}", percent(mesh), doubts.join(", and "));
         (!doubts.is_empty()).then(text)
     }
 }

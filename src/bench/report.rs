@@ -258,7 +258,8 @@ impl Point {
             ));
             let [least, most] = PUBLISHED.map(|time| time / self.time_per_grasp_s);
             all.push(format!(
-                "over the published 2 to 7 minutes per grasp of the simulator of the tactile paper on a GPU, not measured here: {least:.0} to {most:.0}"
+                "over the published 2 to 7 minutes per grasp of the simulator of the tactile paper on a GPU, not \
+                 measured here: {least:.0} to {most:.0}"
             ));
         }
         all

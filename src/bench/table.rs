@@ -42,7 +42,8 @@ pub fn text(report: &BenchReport) -> String {
             middle(p.travel_error),
         );
     }
-    out += "\n* no other setting is as fast and as accurate in displacement; the reference's own error is an estimate\n\n";
+    out +=
+        "\n* no other setting is as fast and as accurate in displacement; the reference's own error is an estimate\n\n";
     report.points.iter().chain([&report.reference]).for_each(|p| profile(&mut out, p, width));
     for p in &report.points {
         p.failed.iter().for_each(|reason| {
@@ -61,7 +62,8 @@ pub fn text(report: &BenchReport) -> String {
 pub fn ladder(ladder: &RefinementStudy) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
-    let mut out = String::from("\ndifferences between the members of the refinement study, %: displacement, stress, force\n");
+    let mut out =
+        String::from("\ndifferences between the members of the refinement study, %: displacement, stress, force\n");
     for (i, m) in ladder.members.iter().enumerate() {
         let time = m.time_per_grasp_s.map_or("-".into(), |t| format!("{t:.2}"));
         let _ = write!(out, "{}  {:<width$}  {:>6} nodes {time:>8} s ", i + 1, m.label, m.nodes);

@@ -167,7 +167,10 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         })?;
         let text = match args.format {
             Format::Text => {
-                format!("part {part} of {parts}: {}; run the command without --part to complete the data set\n", counted(ran, "grasp"))
+                format!(
+                    "part {part} of {parts}: {}; run the command without --part to complete the data set\n",
+                    counted(ran, "grasp")
+                )
             }
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
         };

@@ -56,7 +56,8 @@ pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             out,
-            "{}: the pad displacements of {} change by {:.2} % (median) to {:.1} % (largest), the objects move by {:.3} to {:.2} mm",
+            "{}: the pad displacements of {} change by {:.2} % (median) to {:.1} % (largest), the objects move by \
+             {:.3} to {:.2} mm",
             change.name(),
             counted(pads.len(), "grasp"),
             1e2 * median(pads.iter().copied()),

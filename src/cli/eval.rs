@@ -69,7 +69,8 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         console.warn(&format!(
-            "note: the network was trained on split {} of this data set; {split} may contain grasps of its training data",
+            "note: the network was trained on split {} of this data set; {split} may contain grasps of its training \
+             data",
             predictor.card.split
         ));
     }
@@ -140,7 +141,8 @@ fn report(
         let [bound, kept, median, worst] = [error_at_most, kept, median, worst].map(|v| 100.0 * v);
         let _ = writeln!(
             out,
-            "error_at_most {bound:>2.0} %: the network computes {kept:.0} % of the grasps, with displacement errors of {median:.1} % (median) and {worst:.1} % (worst)"
+            "error_at_most {bound:>2.0} %: the network computes {kept:.0} % of the grasps, with displacement errors of \
+             {median:.1} % (median) and {worst:.1} % (worst)"
         );
     }
     let _ = writeln!(out, "network: {:.2} ms per grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);

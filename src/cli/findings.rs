@@ -134,7 +134,8 @@ impl Found {
             // Adding zero turns -0 into +0.
             let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
-                "grasp 0: the hand is at ({:.1}, {:.1}, {:.1}) mm in the object frame, with orientation (w, x, y, z) = ({:.4}, {:.4}, {:.4}, {:.4})",
+                "grasp 0: the hand is at ({:.1}, {:.1}, {:.1}) mm in the object frame, with orientation (w, x, y, z) = \
+                 ({:.4}, {:.4}, {:.4}, {:.4})",
                 p.x, p.y, p.z, q.w, q.x, q.y, q.z
             ));
             line(&format!(

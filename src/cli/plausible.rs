@@ -50,7 +50,8 @@ fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<St
     let young = scene.gripper.like(side).material.spec().young;
     let two = |value: f64| shown(rounded(value, 2));
     Some(format!(
-        "a force of {} N on the {} pad would press the object {} mm deep into a gel of {} mm thickness (the force is {} E t^2): is `young` = {} Pa given in pascals, and the force in newtons?",
+        "a force of {} N on the {} pad would press the object {} mm deep into a gel of {} mm thickness (the force is \
+         {} E t^2): is `young` = {} Pa given in pascals, and the force in newtons?",
         shown(force),
         pad_name(side),
         two(depth * 1e3),

@@ -63,8 +63,8 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
         return Err(refused("-o DIR is the folder of the results of a scene, and is allowed with a scene only"));
     }
     if !scene && !holds_results(&args.path) && !is_held(&args.path) {
-        let message = "contains no results to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` writes, or a scene \
-                       (FILE.ron)";
+        let message = "contains no results to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` \
+            writes, or a scene (FILE.ron)";
         return Err(Error::file(&args.path, message));
     }
     let (out, _kept) = if scene { folder(args.out.as_deref())? } else { (args.path.clone(), None) };
@@ -123,8 +123,9 @@ pub(super) fn folder(out: Option<&Path>) -> Result<(PathBuf, Option<tempfile::Te
         Some(dir) => Ok((dir.to_path_buf(), None)),
         None => {
             let made = tempfile::Builder::new().prefix("tactus-").tempdir();
-            let dir =
-                made.map_err(|e| Error::Start(format!("cannot create a temporary folder: {e}; give a folder with -o DIR")))?;
+            let dir = made.map_err(|e| {
+                Error::Start(format!("cannot create a temporary folder: {e}; give a folder with -o DIR"))
+            })?;
             Ok((dir.path().to_path_buf(), Some(dir)))
         }
     }

@@ -107,7 +107,8 @@ impl Campaign {
             Some(earlier) if earlier.finished => {
                 let entry = |e: &ObjectEntry| (e.name.clone(), e.file.clone(), e.grasps);
                 if !earlier.objects.iter().map(entry).eq(self.manifest.objects.iter().map(entry)) {
-                    let message = "does not list the objects of its plan: it was changed or damaged; restore it from a copy, or remove the folder and generate the data set again";
+                    let message = "does not list the objects of its plan: it was changed or damaged; restore it from a \
+                        copy, or remove the folder and generate the data set again";
                     return Err(Error::file(self.dir.join(MANIFEST), message));
                 }
                 self.manifest = earlier;
@@ -272,7 +273,10 @@ impl Campaign {
         }
         let finished = self.progress(object).finished(object.poses.len());
         if finished.len() < object.poses.len() {
-            return Err(Error::file(&path, "records of its grasps are missing; run the same `tactus dataset` command again"));
+            return Err(Error::file(
+                &path,
+                "records of its grasps are missing; run the same `tactus dataset` command again",
+            ));
         }
         Ok(finished)
     }

@@ -136,7 +136,8 @@ impl Manifest {
             String::from_utf8(bytes).map_err(|_| fail("is not a manifest of a data set: it is not UTF-8".into()))?;
         let manifest: Self = serde_json::from_str(&text).map_err(|e| {
             fail(format!(
-                "is not a manifest of a data set: {e}; restore it from a copy, or generate the data set again in another folder"
+                "is not a manifest of a data set: {e}; restore it from a copy, or generate the data set again in \
+                 another folder"
             ))
         })?;
         let sum = &manifest.checksum;
@@ -151,8 +152,8 @@ impl Manifest {
         }
         if manifest.format != FORMAT {
             return Err(fail(format!(
-                "has layout {}; this build reads {FORMAT}: generate the data set again with `tactus dataset SCENE -o DIR` in another folder; models \
-                 trained on it stay valid",
+                "has layout {}; this build reads {FORMAT}: generate the data set again with `tactus dataset SCENE -o \
+                 DIR` in another folder; models trained on it stay valid",
                 manifest.format
             )));
         }

@@ -90,7 +90,8 @@ impl ObjectFile {
         if format != Some(FORMAT) {
             let found = format.map_or("no `format`".into(), |f| format!("layout {f}"));
             return Err(fail(format!(
-                "has {found}, and this build reads data sets of layout {FORMAT}, whose arrays are named by their units: generate it again with `tactus dataset SCENE -o DIR`; models trained on it stay valid"
+                "has {found}, and this build reads data sets of layout {FORMAT}, whose arrays are named by their \
+                 units: generate it again with `tactus dataset SCENE -o DIR`; models trained on it stay valid"
             )));
         }
         let text = |name: &str| {

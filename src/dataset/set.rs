@@ -39,7 +39,10 @@ impl DataSet {
             }
         })?;
         if !manifest.finished {
-            return Err(Error::file(dir, "the data set is not finished; run the same `tactus dataset` command again to resume"));
+            return Err(Error::file(
+                dir,
+                "the data set is not finished; run the same `tactus dataset` command again to resume",
+            ));
         }
         let path = dir.join("splits.json");
         let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
@@ -80,7 +83,8 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.is_on(path))?;
     if !same {
         return fail(
-            "was changed or damaged since it was generated: it is not the file of the manifest; restore it from a copy, or generate the data set again"
+            "was changed or damaged since it was generated: it is not the file of the manifest; restore it from a \
+             copy, or generate the data set again"
                 .into(),
         );
     }

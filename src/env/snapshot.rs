@@ -53,7 +53,9 @@ impl Snapshot {
             return Err(format!("the snapshot has format {}; this version of tactus reads {FORMAT}", self.format));
         }
         if self.scene != scene {
-            return Err("the snapshot belongs to another scene: its task, objects, grasps, pads or backend differ".into());
+            return Err(
+                "the snapshot belongs to another scene: its task, objects, grasps, pads or backend differ".into()
+            );
         }
         if self.checksum != self.sum() {
             return Err("the snapshot was changed or damaged: its checksum does not match; save it again".into());

@@ -95,7 +95,9 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let spacing = at_edge / Resolution::widening(focus, all.reach);
     let three = |v: f64| shown(rounded(v, 3));
     let why = format!(
-        "accuracy {}: the smallest contact patch, of grasp {} on the {} pad, has a size of {} mm (twice its area over its perimeter) and extends to {} of the half width of the pad; spacing {} mm with focus {} gives cells of {} mm at its edge",
+        "accuracy {}: the smallest contact patch, of grasp {} on the {} pad, has a size of {} mm (twice its area over \
+         its perimeter) and extends to {} of the half width of the pad; spacing {} mm with focus {} gives cells of {} \
+         mm at its edge",
         shown(accuracy),
         all.grasp,
         pad_name(all.side),

@@ -98,7 +98,8 @@ pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
             let message = format!(
-                "the data set needs up to {}, but only {} are free there; choose another folder, fewer grasps or fewer frames",
+                "the data set needs up to {}, but only {} are free there; choose another folder, fewer grasps or fewer \
+                 frames",
                 bytes(need),
                 bytes(free)
             );

@@ -66,7 +66,8 @@ impl fmt::Display for ErrorBound {
         let [displacement, stress, travel] = self.to_array().map(|v| 100.0 * v);
         write!(
             f,
-            "errors of nine of ten such predictions are at most {displacement:.1} % in displacement, {stress:.1} % in stress, {travel:.1} % in travel"
+            "errors of nine of ten such predictions are at most {displacement:.1} % in displacement, {stress:.1} % in \
+             stress, {travel:.1} % in travel"
         )
     }
 }

@@ -21,10 +21,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
         if !svg.contains("<svg") {
             return Err(Error::file(&chart, "is not an SVG picture"));
         }
-        blocks.push(PageBlock::Picture(
-            svg,
-            "Error against time, both logarithmic; lower left is better.".into(),
-        ));
+        blocks.push(PageBlock::Picture(svg, "Error against time, both logarithmic; lower left is better.".into()));
     }
     blocks.push(PageBlock::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
@@ -33,7 +30,8 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     blocks.extend(report.notices.iter().map(|notice| PageBlock::Note(notice.clone())));
     blocks.push(PageBlock::Table(stages(&report)));
     let lead = format!(
-        "{}, {} of each setting on each grasp, {} per grasp. Errors are differences from {}, relative to the norm of the field.",
+        "{}, {} of each setting on each grasp, {} per grasp. Errors are differences from {}, relative to the norm of \
+         the field.",
         counted(report.grasps.len(), "grasp"),
         counted(report.repeats, "repetition"),
         counted(report.threads, "thread"),
@@ -77,8 +75,18 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
 }
 
 fn points(report: &BenchReport) -> Table {
-    let columns =
-        ["setting", "nodes", "s per grasp", "processor s", "displacement %", "stress %", "force %", "travel %", "MB", ""];
+    let columns = [
+        "setting",
+        "nodes",
+        "s per grasp",
+        "processor s",
+        "displacement %",
+        "stress %",
+        "force %",
+        "travel %",
+        "MB",
+        "",
+    ];
     let mut table = Table::new("All settings", &columns);
     table.note = "Displacement and stress: median / 90th percentile / worst over grasps and frames; force and travel: \
                   median. The reference's own errors are estimates."

@@ -42,7 +42,10 @@ pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
             return refuse("universe", "a universe and objects are both given\ngive one of them");
         }
         if !matches!(part.loading, Some(Loading::Squeeze(_)) | None) {
-            return refuse("loading", "a universe samples the force of a squeeze\nallowed: Squeeze(force: ..., frames: ...)");
+            return refuse(
+                "loading",
+                "a universe samples the force of a squeeze\nallowed: Squeeze(force: ..., frames: ...)",
+            );
         }
         if part.gripper.as_ref().is_some_and(|gripper| gripper.right.is_some()) {
             return refuse("gripper.right", "a universe needs two identical pads\nleave it out");
@@ -246,7 +249,9 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         Grasps::List(poses) => match poses.iter().position(|p| p.position.is_some() == p.centre.is_some()) {
             Some(i) => refuse(
                 format!("grasps[{i}]"),
-                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, but not both\n`centre: (0, 0, 0)` places the origin of the object between the pads for any rotation of the hand",
+                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, but \
+                 not both\n`centre: (0, 0, 0)` places the origin of the object between the pads for any rotation of \
+                 the hand",
             ),
             None => Ok(()),
         },
@@ -350,20 +355,14 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
         return Ok(());
     };
     if let StepperChoice::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
-        return refuse(
-            "stepper.solver",
-            "condensed pads have no inertia\nuse solver: Full in a dynamic scene",
-        );
+        return refuse("stepper.solver", "condensed pads have no inertia\nuse solver: Full in a dynamic scene");
     }
     let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
     if moves && scene.object.motion == ObjectMotion::Fixed {
         return refuse("object.motion", "a fixed object has neither velocity nor spin");
     }
     if dynamic.motions.is_empty() {
-        return refuse(
-            "loading.motions",
-            "an empty list of motions\nHold(duration: 0.5) waits for half a second",
-        );
+        return refuse("loading.motions", "an empty list of motions\nHold(duration: 0.5) waits for half a second");
     }
     let no_gravity = scene.gravity.is_none_or(|g| g.dvec3() == glam::DVec3::ZERO);
     for (i, motion) in dynamic.motions.iter().enumerate() {
@@ -371,8 +370,7 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
             return refuse(format!("loading.motions[{i}]"), "repeats an empty list of motions");
         }
         if motion.play().needs_gravity() && no_gravity {
-            let message =
-                "a lift needs gravity, and the scene has none\nset gravity, or use Move(by: (x, y, z), ...)";
+            let message = "a lift needs gravity, and the scene has none\nset gravity, or use Move(by: (x, y, z), ...)";
             return refuse(format!("loading.motions[{i}]"), message);
         }
     }
@@ -386,7 +384,9 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
 fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
     match (&scene.loading, expectation) {
         (Loading::Dynamic(_), Expectation::Converged(_)) => {
-            return Err("Converged checks forces without inertia\nuse ForceBalance(relative: ...) in a dynamic scene".into());
+            return Err(
+                "Converged checks forces without inertia\nuse ForceBalance(relative: ...) in a dynamic scene".into()
+            );
         }
         (Loading::Squeeze(_) | Loading::Press(_), e) if e.is_dynamic() => {
             return Err(format!("{} needs loading: Dynamic(motions: [...])", e.name()));

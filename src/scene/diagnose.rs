@@ -170,7 +170,8 @@ fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     let path = outline.path(around);
     let (owner, key) = path.rsplit_once('.').unwrap_or(("the scene", &path));
     Some(format!(
-        "{path}: `{name}(...)` takes one value and has no field `{}`\nfields of {owner} are written next to `{key}`: `{key}: {name}(...), {0}: ...`",
+        "{path}: `{name}(...)` takes one value and has no field `{}`\nfields of {owner} are written next to `{key}`: \
+         `{key}: {name}(...), {0}: ...`",
         clipped(field)
     ))
 }

@@ -90,7 +90,9 @@ impl Overrides {
                 gnn.model.clone_from(model);
                 Ok(())
             }
-            (Some(_), StepperChoice::Fem(_)) => Err(refused("--model is allowed only for a network; add --backend gnn")),
+            (Some(_), StepperChoice::Fem(_)) => {
+                Err(refused("--model is allowed only for a network; add --backend gnn"))
+            }
         }
     }
 
@@ -121,7 +123,9 @@ pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     match stepper {
         StepperChoice::Fem(fem) => fem.max_time = Some(seconds),
         StepperChoice::Gnn(_) => {
-            return Err(refused("--max-time is allowed only for finite elements: a network takes the same time for every grasp"));
+            return Err(refused(
+                "--max-time is allowed only for finite elements: a network takes the same time for every grasp",
+            ));
         }
     }
     Ok(())

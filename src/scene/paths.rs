@@ -22,9 +22,10 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
                 Some(kind) => Err((field, format!("{} is {kind}, not a file", path.display()))),
                 None => Ok(()),
             },
-            Err(_) => {
-                Err((field, format!("no file at {}\npaths are relative to the folder of the scene file", path.display())))
-            }
+            Err(_) => Err((
+                field,
+                format!("no file at {}\npaths are relative to the folder of the scene file", path.display()),
+            )),
         }
     };
     let object = |object: &mut Object, field: &str| match &mut object.shape {

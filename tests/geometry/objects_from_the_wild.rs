@@ -266,10 +266,7 @@ fn units_are_asked_for() {
     };
     let message =
         build("rods.obj", obj(&(0..60).map(rod).collect::<Vec<_>>()), "").map(|_| ()).unwrap_err().to_string();
-    assert!(
-        message.contains("the rods has 1") && message.contains("at most 1000000 are allowed"),
-        "{message}"
-    );
+    assert!(message.contains("the rods has 1") && message.contains("at most 1000000 are allowed"), "{message}");
 }
 
 #[test]
@@ -512,8 +509,7 @@ fn repair_makes_a_solid_and_says_how_far_it_moved() {
     eprintln!("{union} cm3\n{said}");
     assert_relative_eq!(union, 12.0, max_relative = 0.02);
     assert!(
-        said.contains("repaired: two parts of the surface overlap")
-            && said.contains("the surface moved by at most"),
+        said.contains("repaired: two parts of the surface overlap") && said.contains("the surface moved by at most"),
         "{said}"
     );
     // The hole of an open cube is filled without moving any vertex.

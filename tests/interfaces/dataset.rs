@@ -67,7 +67,11 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
         loader_world(object);
     }
     let missed = set.objects[1].grasp(1).unwrap();
-    assert!(missed.frames == 0 && missed.reason.contains("does not touch the object within its stroke"), "{}", missed.reason);
+    assert!(
+        missed.frames == 0 && missed.reason.contains("does not touch the object within its stroke"),
+        "{}",
+        missed.reason
+    );
     let all: usize = set.splits.poses.train.values().chain(set.splits.poses.test.values()).map(Vec::len).sum();
     assert_eq!(all, 6, "every pose is in one of the sets");
     let without = set.splits.without("box");

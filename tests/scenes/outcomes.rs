@@ -136,10 +136,7 @@ fn a_press_through_the_pad_is_refused() {
     let ball = "object: (shape: Sphere(radius: 0.005), motion: Fixed)";
     let built = Model::build(&scene(&format!("({ball}, {pad}, loading: Press(depth: 0.03, frames: 3))")));
     let Err(reason) = built else { panic!("not refused") };
-    assert_eq!(
-        reason.to_string(),
-        "a press of 30 mm exceeds the thickness of the pad, 4.5 mm; give a smaller depth"
-    );
+    assert_eq!(reason.to_string(), "a press of 30 mm exceeds the thickness of the pad, 4.5 mm; give a smaller depth");
 }
 
 #[test]

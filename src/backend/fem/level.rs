@@ -167,7 +167,8 @@ impl GraspSolver {
             }
             let [slipping, held] = [slipping, self.path.level].map(|part| 100.0 * part);
             let reason = format!(
-                "{at}: the object slips; at {held:.1} % of the push, {slipping:.0} % of the contact is at the Coulomb limit"
+                "{at}: the object slips; at {held:.1} % of the push, {slipping:.0} % of the contact is at the Coulomb \
+                 limit"
             );
             Refusal::Final(Stop { dropped: true, reason })
         })

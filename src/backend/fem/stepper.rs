@@ -62,7 +62,9 @@ impl Stepper for FemStepper {
     fn notices(&self, model: &Model) -> Vec<String> {
         let scene::Solver::Condensed(c) = self.settings.solver else { return Vec::new() };
         let notice = format!(
-            "pads are condensed to an error of {:e} while the object is fixed; after its release at {:.4} N per finger their error is not checked, and may be as large as their displacement if the object rolls or slides. `solver: Full` avoids this error",
+            "pads are condensed to an error of {:e} while the object is fixed; after its release at {:.4} N per finger \
+             their error is not checked, and may be as large as their displacement if the object rolls or slides. \
+             `solver: Full` avoids this error",
             c.error.get(),
             model.release
         );

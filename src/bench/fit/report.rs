@@ -171,8 +171,8 @@ impl FitReport {
             }
         }
         out += "\nsimulated over measured force, minus one; +-: interval of 95 % confidence (Student's t, to first order)\n";
-        out +=
-            "edge: at the end of its range; no +-: no interval, because there are as many parameters as points or the value is at an edge\n";
+        out += "edge: at the end of its range; no +-: no interval, because there are as many parameters as points or \
+            the value is at an edge\n";
         let ranges = Parameter::ALL.iter().zip(self.ranges).map(|(p, [low, high])| {
             let (name, scale) = p.shown_as();
             format!("{name} {} to {}", shown(low * scale), shown(high * scale))
@@ -202,8 +202,11 @@ impl FitReport {
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
         let shares: Vec<String> =
             singles.map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained(f))).collect();
-        let mut text =
-            format!("{} alone explains most of the deviation; fractions of its sum of squares: {}\n", explains.words(), shares.join(", "));
+        let mut text = format!(
+            "{} alone explains most of the deviation; fractions of its sum of squares: {}\n",
+            explains.words(),
+            shares.join(", ")
+        );
         for fit in [1, 2, 4].into_iter().filter_map(|count| self.best(count)) {
             let _ = writeln!(
                 text,

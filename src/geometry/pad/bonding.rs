@@ -59,7 +59,8 @@ impl Bonding {
                     let nearest = beyond.iter().copied().fold(f64::INFINITY, f64::min);
                     let what = if matches!(self, Bonding::Plane { .. }) { "plane" } else { "surface" };
                     return Err(Error::Mesh(format!(
-                        "no node of the pad is bonded to the finger: the nearest of its {} nodes is {} m from the {what}, and nodes within {} m are bonded",
+                        "no node of the pad is bonded to the finger: the nearest of its {} nodes is {} m from the \
+                         {what}, and nodes within {} m are bonded",
                         mesh.nodes.len(),
                         shown(nearest),
                         shown(*within)
@@ -70,10 +71,13 @@ impl Bonding {
         };
         match bonded.iter().filter(|b| **b).count() {
             0 => Err(Error::Mesh(
-                "no node of the pad is bonded to the finger; give a distance within which nodes are bonded, or a list of nodes".into(),
+                "no node of the pad is bonded to the finger; give a distance within which nodes are bonded, or a list \
+                 of nodes"
+                    .into(),
             )),
             n if n == bonded.len() => Err(Error::Mesh(format!(
-                "all {n} nodes of the pad are bonded to the finger, so that it cannot deform; reduce the distance or the list"
+                "all {n} nodes of the pad are bonded to the finger, so that it cannot deform; reduce the distance or \
+                 the list"
             ))),
             _ => Ok(bonded),
         }

@@ -51,7 +51,8 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
         .collect();
     if face.is_empty() {
         return Err(Error::Mesh(format!(
-            "no free face of the pad faces along outward = {}; check its direction and that the sensing face is not bonded",
+            "no free face of the pad faces along outward = {}; check its direction and that the sensing face is not \
+             bonded",
             vector(placement.outward)
         )));
     }
@@ -155,8 +156,8 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
             }
             Some(s) if *s => {
                 let message = format!(
-                    "node index {value} occurs twice; give each bonded node once, or one 0 or 1 for each of the {count} \
-                     nodes (found {} numbers)",
+                    "node index {value} occurs twice; give each bonded node once, or one 0 or 1 for each of the \
+                     {count} nodes (found {} numbers)",
                     values.len()
                 );
                 return Err(text::at(path, *word, message));

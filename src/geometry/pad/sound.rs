@@ -22,16 +22,13 @@ pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     held(mesh, bonded)?;
     let (mut boundary, _) = surface::boundary_mesh(mesh);
     if let Some(fault) = overlaps(&boundary).complaint(&boundary) {
-        return Err(Error::Mesh(format!(
-            "the pad overlaps itself: {fault}, or remove duplicates from the file"
-        )));
+        return Err(Error::Mesh(format!("the pad overlaps itself: {fault}, or remove duplicates from the file")));
     }
     // Every shell bounds gel from outside or a cavity from inside; one with the wrong orientation lies inside other
     // gel.
     if orient(&mut boundary).any() {
         return Err(Error::Mesh(
-            "the pad overlaps itself: a part of it lies inside another; remove duplicates from the file"
-                .into(),
+            "the pad overlaps itself: a part of it lies inside another; remove duplicates from the file".into(),
         ));
     }
     Ok(())
@@ -133,9 +130,7 @@ fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
         format!("a part of {tets} of {} about {place}", mesh.tets.len())
     };
     let (how, cure) = match loose.count {
-        0 => {
-            ("is not connected to the finger: it could move freely", "remove it, or join or bond it")
-        }
+        0 => ("is not connected to the finger: it could move freely", "remove it, or join or bond it"),
         1 => (
             "is held at one node and can rotate about it",
             "bond at least three nodes off a line, such as all of its back",

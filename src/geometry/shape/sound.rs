@@ -36,10 +36,7 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
         ));
     }
     if pairs > 0 {
-        news.push(format!(
-            "dropped {} of coincident triangles with opposite normals",
-            counted(pairs, "pair")
-        ));
+        news.push(format!("dropped {} of coincident triangles with opposite normals", counted(pairs, "pair")));
     }
     let odd = orient_consistently(mesh);
     if odd > 0 {
@@ -56,7 +53,10 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let turned = orient(mesh);
     let parts = shells(mesh).len();
     if turned.outward > 0 {
-        news.push(format!("reversed {} of {parts} closed parts of the surface, which were oriented inward", turned.outward));
+        news.push(format!(
+            "reversed {} of {parts} closed parts of the surface, which were oriented inward",
+            turned.outward
+        ));
     }
     if turned.inward > 0 {
         news.push(format!(

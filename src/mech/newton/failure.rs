@@ -54,7 +54,8 @@ impl fmt::Display for Failure {
             Failure::Astray => f.write_str("the object moves farther than a held object may"),
             Failure::Effort(most) => write!(
                 f,
-                "no equilibrium within {most} Newton iterations, the limit for a grasp with this number of steps or for a step of an agent"
+                "no equilibrium within {most} Newton iterations, the limit for a grasp with this number of steps or \
+                 for a step of an agent"
             ),
             Failure::Time(seconds) => {
                 write!(f, "no equilibrium within {seconds} s of wall time, the limit for a grasp")

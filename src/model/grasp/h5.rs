@@ -68,9 +68,7 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<Pose>> {
     }
     let values = dataset.read_f64().map_err(unreadable)?;
     if values.is_empty() && rows > 0 {
-        return Err(fail(format!(
-            "dataset `{name}` has numbers of an unsupported type; allowed: float64, float32"
-        )));
+        return Err(fail(format!("dataset `{name}` has numbers of an unsupported type; allowed: float64, float32")));
     }
     if values.len() as u64 != rows * width {
         return Err(fail(format!("dataset `{name}` contains {} numbers instead of {rows} x {width}", values.len())));

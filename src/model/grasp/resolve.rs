@@ -74,7 +74,8 @@ pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
         )),
         None => {
             notices.push(format!(
-                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` of the object in the scene overrides it"
+                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` of the object in the \
+                 scene overrides it"
             ));
             object.scale = Some(scale);
         }

@@ -76,7 +76,8 @@ pub fn with_contact_surface(
     let name = &shape.name;
     notices.push(match &shape.definition {
         SurfaceDefinition::Smooth(smooth) => format!(
-            "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm; its deviation from the mesh is at most {} mm, {} mm rms; `surface: Faceted` keeps the facets",
+            "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm; \
+             its deviation from the mesh is at most {} mm, {} mm rms; `surface: Faceted` keeps the facets",
             shown(1e3 * smooth.level.spacing()),
             shown(rounded(1e3 * smooth.largest, 2)),
             shown(rounded(1e3 * smooth.rms, 2)),
@@ -104,7 +105,8 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
         }
         let (unit, factor) = if size < 5.0 { ("centimetres", 1e-2) } else { ("millimetres", 1e-3) };
         return Err(Error::Mesh(format!(
-            "the object is {} m wide, but at most {LENGTH_LIMIT} m is allowed: if the file is in {unit}, write `scale: {:e}`",
+            "the object is {} m wide, but at most {LENGTH_LIMIT} m is allowed: if the file is in {unit}, write `scale: \
+             {:e}`",
             (size * 1e3).round() / 1e3,
             scale * factor
         )));
@@ -181,7 +183,8 @@ pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {
         return Err(Error::Mesh(format!(
-            "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most {MAX_FEATURES} are allowed: simplify its mesh, or write a larger `spacing`",
+            "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most \
+             {MAX_FEATURES} are allowed: simplify its mesh, or write a larger `spacing`",
             shape.name
         )));
     }

@@ -127,7 +127,8 @@ impl TrainedRange {
         if let Some(pads) = &self.pads {
             let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
             return Some(format!(
-                "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to {high:.3}"
+                "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to \
+                 {high:.3}"
             ));
         }
         let own = Sensor::of(pad).to_string();
@@ -170,7 +171,11 @@ impl TrainedRange {
             return refuse(format!("{}, the training data have {}", kind(own), known.join(" and ")));
         }
         if model.material.name() != self.material {
-            return refuse(format!("its gel is {}, that of the training data {}", model.material.name(), self.material));
+            return refuse(format!(
+                "its gel is {}, that of the training data {}",
+                model.material.name(),
+                self.material
+            ));
         }
         let none = || self.frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
         let outside = self.outside(model, hash).or_else(none);
@@ -203,7 +208,8 @@ impl TrainedRange {
         let rows: Vec<String> = rows.collect();
         let [low, high] = self.force.map(|f| f * unit);
         let verb = if outside.len() == 1 { "lies" } else { "lie" };
-        (!rows.is_empty()).then(|| format!("{} {verb} outside the training range of {low:.4} to {high:.4} N", rows.join(" and ")))
+        (!rows.is_empty())
+            .then(|| format!("{} {verb} outside the training range of {low:.4} to {high:.4} N", rows.join(" and ")))
     }
 
     /// Returns a description of the first quantity other than the force that is outside the range for a grasp whose
@@ -218,7 +224,9 @@ impl TrainedRange {
             }
         };
         let [a, b] = self.poisson;
-        check(moduli.poisson, self.poisson, &|| format!("nu of its gel is {}, the training range is {a} to {b}", moduli.poisson));
+        check(moduli.poisson, self.poisson, &|| {
+            format!("nu of its gel is {}, the training range is {a} to {b}", moduli.poisson)
+        });
         let ([a, b], own) = (self.friction, model.friction);
         check(own, self.friction, &|| format!("friction is {own}, the training range is {a} to {b}"));
         let (own, most) = (weight(model, unit), self.weight);
@@ -229,7 +237,11 @@ impl TrainedRange {
             push(model, unit, t).into_iter().zip(self.push).zip([("pushed", "N", unit), ("twisted", "N m", unit * t)])
         {
             check(own, [0.0, most], &|| {
-                format!("the object is {what} with {:.4} {of}, the training range ends at {:.4} {of}", own * unit, most * unit)
+                format!(
+                    "the object is {what} with {:.4} {of}, the training range ends at {:.4} {of}",
+                    own * unit,
+                    most * unit
+                )
             });
         }
         all.into_iter().next()
@@ -266,14 +278,16 @@ impl TrainedRange {
 /// Returns the error about a scene that the network cannot answer.
 fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
-        "the network was not trained for this scene: {what}; use stepper: Fem(), or train a network on a suitable data set"
+        "the network was not trained for this scene: {what}; use stepper: Fem(), or train a network on a suitable data \
+         set"
     )))
 }
 
 /// Returns the error about a quantity outside the range, which can still be answered by extrapolation.
 fn untrained(what: String) -> Result<()> {
     Err(Error::Start(format!(
-        "the network was not trained for this scene: {what}; use stepper: Fem(), train a network on a suitable data set, or allow predictions of unknown error: extrapolate: true, --extrapolate"
+        "the network was not trained for this scene: {what}; use stepper: Fem(), train a network on a suitable data \
+         set, or allow predictions of unknown error: extrapolate: true, --extrapolate"
     )))
 }
 

@@ -102,7 +102,9 @@ impl Trained {
         let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is not a model card: {e}")))?;
         if made.features != VERSION {
             let message = format!(
-                "its network was trained by tactus {} with feature version {}, but this is tactus {} with feature version {VERSION}; train it again with `tactus train`, on a new data set, or use a built-in network: {}",
+                "its network was trained by tactus {} with feature version {}, but this is tactus {} with feature \
+                 version {VERSION}; train it again with `tactus train`, on a new data set, or use a built-in network: \
+                 {}",
                 made.tactus,
                 made.features,
                 env!("CARGO_PKG_VERSION"),
@@ -121,8 +123,8 @@ impl Trained {
     /// Returns the model if the checksum of card and weights is correct.
     fn sound(self, path: &Path) -> Result<Self> {
         if !self.card.checksum.is_empty() && self.card.sum(&self.weights)? != self.card.checksum {
-            let message = "this card or its weights were changed or damaged after the training; restore both from a copy, \
-                           or train again";
+            let message = "this card or its weights were changed or damaged after the training; restore both from a \
+                copy, or train again";
             return Err(Error::file(path, message));
         }
         Ok(self)
@@ -131,8 +133,10 @@ impl Trained {
 
 fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
     if let Some(name) = FORMER.iter().find(|name| model.file_name().is_some_and(|own| own == **name)) {
-        let message =
-            format!("{name:?} is a network of version 0.1; use the built-in network that replaces it: {}", shipped::names());
+        let message = format!(
+            "{name:?} is a network of version 0.1; use the built-in network that replaces it: {}",
+            shipped::names()
+        );
         return Error::file(model, message);
     }
     let message = format!(
@@ -165,7 +169,8 @@ impl Card {
         self.interval().is_none().then(|| {
             let kept = if self.kept > 0 { self.kept.to_string() } else { "fewer".into() };
             format!(
-                "the error of the network is unknown: its estimate needs at least {FEWEST} grasps that are not used for training, and there were {kept}; train on more grasps, or with a larger `validation`"
+                "the error of the network is unknown: its estimate needs at least {FEWEST} grasps that are not used \
+                 for training, and there were {kept}; train on more grasps, or with a larger `validation`"
             )
         })
     }

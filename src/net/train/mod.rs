@@ -96,7 +96,9 @@ impl Trainer {
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
         let (samples, range) = data::read(&all, &PadGraphs::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
-            return Err(Error::Start("training needs at least two grasps: one for training, one for early stopping".into()));
+            return Err(Error::Start(
+                "training needs at least two grasps: one for training, one for early stopping".into(),
+            ));
         }
         let (samples, validation) = data::split_validation(samples, spec.training.validation.get(), spec.training.seed);
         let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
@@ -188,7 +190,8 @@ impl Trainer {
             if !loss.is_finite() || !norm.is_finite() {
                 let kept = self.state.epochs.len();
                 return Err(Error::Solver(format!(
-                    "the loss is not finite in epoch {number}; the {kept} epochs before it are saved in {}; reduce `learning_rate`",
+                    "the loss is not finite in epoch {number}; the {kept} epochs before it are saved in {}; reduce \
+                     `learning_rate`",
                     self.dir.display()
                 )));
             }

@@ -30,7 +30,8 @@ impl Finger {
         // The bound terminates the loop if the links form a cycle.
         for _ in 0..=tree.links.len() {
             if at == base {
-                let (direction, joint) = slides.ok_or_else(|| format!("does not slide relative to {hand:?}; {SPELL_OUT}"))?;
+                let (direction, joint) =
+                    slides.ok_or_else(|| format!("does not slide relative to {hand:?}; {SPELL_OUT}"))?;
                 let drive = tree.drive(joint).map_err(|reason| format!("slides without limits: {reason}"))?;
                 return Ok(Self { position: pose.translation, rotation: pose.matrix3, direction, drive });
             }
@@ -42,7 +43,9 @@ impl Finger {
                     return Err(format!("slides by more than one joint relative to {hand:?}; {SPELL_OUT}"));
                 }
                 (Mobility::Other(joint), _) => {
-                    return Err(format!("is connected to {hand:?} by a joint that does not slide: {joint}; {SPELL_OUT}"));
+                    return Err(format!(
+                        "is connected to {hand:?} by a joint that does not slide: {joint}; {SPELL_OUT}"
+                    ));
                 }
             }
             pose = link.pose * pose;
@@ -113,7 +116,10 @@ pub(super) fn gripper(
     let (closing, [left, right]) = (closing(fingers, approach, deviation)?, fingers);
     let geared = left.drive.leader == right.drive.leader;
     if geared && left.gear(closing) * right.gear(closing) >= 0.0 {
-        return Err("one joint moves both fingers in the same direction; the multiplier of one must have the opposite sign".into());
+        return Err(
+            "one joint moves both fingers in the same direction; the multiplier of one must have the opposite sign"
+                .into(),
+        );
     }
     let [own, other] = [left.along(closing), right.along(closing)];
     let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
@@ -126,8 +132,8 @@ pub(super) fn gripper(
     let ([y, other_y], [z, other_z]) = (of(across), of(approach));
     if unequal && !geared {
         return Err(format!(
-            "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by the same distance within {PLACE} m, or follow one \
-             joint: {SPELL_OUT}"
+            "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by the same \
+             distance within {PLACE} m, or follow one joint: {SPELL_OUT}"
         ));
     }
     // With unequal travels the midpoint moves; if its range contains the middle of the hand, it is not offset.
@@ -141,8 +147,8 @@ pub(super) fn gripper(
     let off = [y - other_y, z - other_z, aside].map(whole);
     if off.iter().any(|length| length.abs() > PLACE) {
         return Err(format!(
-            "the pads do not face each other within {PLACE} m: in the hand frame they are at y {y}, z {z} and y {other_y}, z {other_z} m, \
-             and {aside} m off its middle along the closing direction; {SPELL_OUT}"
+            "the pads do not face each other within {PLACE} m: in the hand frame they are at y {y}, z {z} and y \
+             {other_y}, z {other_z} m, and {aside} m off its middle along the closing direction; {SPELL_OUT}"
         ));
     }
     deviation.add_places(&off);
@@ -153,7 +159,9 @@ pub(super) fn gripper(
     }
     let mean = whole(0.5 * (stroke + others));
     let notice = format!(
-        "one joint closes the fingers by {stroke} m and {others} m: they are treated as two fingers that close by {mean} m each towards their midpoint, to which they move a free object; in the hand frame this midpoint moves from {open} m to {closed} m along the closing direction"
+        "one joint closes the fingers by {stroke} m and {others} m: they are treated as two fingers that close by \
+         {mean} m each towards their midpoint, to which they move a free object; in the hand frame this midpoint moves \
+         from {open} m to {closed} m along the closing direction"
     );
     Ok((Mount { opening, stroke: mean, y, z }, Some(notice)))
 }

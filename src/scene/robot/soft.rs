@@ -124,9 +124,7 @@ fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
 fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     let scale = of.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
     if scale.abs().min_element() == 0.0 {
-        return Err(
-            of.error(format_args!("has scale {scale} and therefore no volume; each factor must be nonzero"))
-        );
+        return Err(of.error(format_args!("has scale {scale} and therefore no volume; each factor must be nonzero")));
     }
     let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| plain(&e))?;
     mesh.vertices.iter_mut().for_each(|x| *x *= scale);

@@ -14,7 +14,9 @@ pub fn inverted(model: &Model, x: &[&[DVec3]]) -> String {
     let corners = &pad.elements.nodes()[e * pad.elements.width()..][..4];
     let at = corners.iter().map(|n| pad.rest[*n as usize]).sum::<DVec3>() * (1e3 / 4.0);
     format!(
-        "element {e} of the {} pad is inverted (det F {det:.3}); its undeformed position in the pad frame is ({:.2}, {:.2}, {:.2}) mm; the deformation is too large for this mesh: use a smaller load, a stiffer gel or a finer pad",
+        "element {e} of the {} pad is inverted (det F {det:.3}); its undeformed position in the pad frame is ({:.2}, \
+         {:.2}, {:.2}) mm; the deformation is too large for this mesh: use a smaller load, a stiffer gel or a finer \
+         pad",
         pad_name(i),
         at.x,
         at.y,

@@ -45,7 +45,8 @@ pub fn close_to_contact(
     if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
         let (t, stroke) = (t * 1e3, model.stroke * 1e3);
         let name = pad_name(index);
-        let reason = format!("the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm");
+        let reason =
+            format!("the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm");
         return next.request(Phase::Infeasible { reason });
     }
     if let Err(reason) = keep_apart(model, &travel) {
@@ -82,8 +83,8 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "the pads touch each other next to the object before both touch it and would overlap by {:.3} mm: contact between the pads is not \
-         modelled; use smaller pads, a thicker object or another grasp",
+        "the pads touch each other next to the object before both touch it and would overlap by {:.3} mm: contact \
+         between the pads is not modelled; use smaller pads, a thicker object or another grasp",
         depth * 1e3
     ))
 }
@@ -117,7 +118,8 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
     match met {
         Approach::Contact(travel) => Ok(travel),
         Approach::Overlap(depth) => Err(format!(
-            "the {name} pad overlaps the object by {:.2} mm in the open hand; increase `opening` ({:.1} mm) or move the grasp",
+            "the {name} pad overlaps the object by {:.2} mm in the open hand; increase `opening` ({:.1} mm) or move \
+             the grasp",
             depth * 1e3,
             model.opening * 1e3
         )),
@@ -129,7 +131,8 @@ pub fn first_contact(model: &Model, index: usize, pose: &ObjectPose, clearance: 
                 "the point midway between the pads is inside the object".into()
             };
             Err(format!(
-                "the {name} finger does not touch the object within its stroke of {:.1} mm: {place}; move the grasp (`centre` of a pose sets this point) or increase `stroke`",
+                "the {name} finger does not touch the object within its stroke of {:.1} mm: {place}; move the grasp \
+                 (`centre` of a pose sets this point) or increase `stroke`",
                 model.stroke * 1e3
             ))
         }

@@ -57,7 +57,10 @@ fn soft_pads_that_say_too_little_are_refused_with_the_reason() {
     for (message, reason) in [
         (refused("<youngs value=\"2e5\"/>", "<youngs value=\"\"/>", ""), "<youngs value=\"\">: 0 numbers; 1 needed"),
         (refused("<poissons value=\"0.45\"/>", "", ""), "\"left_pad\" has no <poissons value"),
-        (refused(block("collision"), "<none/>", ""), "<link name=\"left_pad\"> is not fixed to a link with a <collision>"),
+        (
+            refused(block("collision"), "<none/>", ""),
+            "<link name=\"left_pad\"> is not fixed to a link with a <collision>",
+        ),
         (refused(block("fem"), "<none/>", ""), "for one of the links \"left_pad\" and \"right_pad\", not for both"),
         (
             refused("attachDistance value=\"2e-4\"", "attachDistance value=\"0.05\"", ""),
@@ -154,7 +157,10 @@ fn meshes_are_found_in_packages_and_by_file_uris() {
     write("checkout/urdf/p.urdf", "package://fingers/meshes").expect("its package.xml has its name");
     write("uri.urdf", &format!("file://{}", pads.display())).expect("file:// is stripped");
     let message = write("none.urdf", "package://nowhere/meshes").unwrap_err();
-    assert!(message.contains("not found in a package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"), "{message}");
+    assert!(
+        message.contains("not found in a package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"),
+        "{message}"
+    );
 }
 
 /// Copies the meshes of a pad and of its core into the new folder `folder`.

@@ -63,7 +63,10 @@ fn followers_that_make_no_parallel_gripper_are_refused_by_their_gear() {
     refused(follow("offset=\"0.02\""), &["0.01 m off its middle"]);
     refused(follow("multiplier=\"half\""), &["g.urdf:10:", "<mimic multiplier=\"half\">: \"half\" is not a number"]);
     refused(hand("<mimic joint=\"right_slide\"/>", "<mimic joint=\"left_slide\"/>", ""), &["form a cycle"]);
-    refused(hand(OPEN, "<mimic joint=\"motor\"/>", ""), &["<mimic", "refers to the joint \"motor\", which does not exist"]);
+    refused(
+        hand(OPEN, "<mimic joint=\"motor\"/>", ""),
+        &["<mimic", "refers to the joint \"motor\", which does not exist"],
+    );
     refused(hand("", "<mimic joint=\"left_slide\"/>", ""), &["\"left_slide\"> has no <limit>"]);
     refused(
         hand(OPEN, OPEN, "").and(read(&[("g.urdf", ROTATING)], "base", ["left", "right"])),

@@ -14,7 +14,10 @@ use base::error::{Error, Result};
 /// differs from the content, and a bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     if bytes.contains(&0) {
-        return Err(Error::file(path, format!("binary Medit is not supported; write ASCII, or {}", super::convert(path))));
+        return Err(Error::file(
+            path,
+            format!("binary Medit is not supported; write ASCII, or {}", super::convert(path)),
+        ));
     }
     let source = text::decode(path, bytes)?;
     let mut words = text::lines(&source, Some('#')).flat_map(|l| l.words).peekable();
@@ -66,7 +69,8 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
                 }
                 if second_order {
                     notices.push(format!(
-                        "{}: only the 4 corners of tetrahedra of 10 nodes are read; quadratic elements get new mid-edge nodes",
+                        "{}: only the 4 corners of tetrahedra of 10 nodes are read; quadratic elements get new \
+                         mid-edge nodes",
                         path.display()
                     ));
                 }

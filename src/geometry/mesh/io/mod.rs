@@ -157,7 +157,9 @@ fn advice(path: &Path, extension: &str) -> String {
             let (name, mesh) = names(path);
             format!("; mesh it: `gmsh -3 {name} -o {mesh}`")
         }
-        "stl" | "obj" | "ply" | "off" => "; a surface has no volume elements: mesh its volume with tetrahedra, by gmsh or TetGen".into(),
+        "stl" | "obj" | "ply" | "off" => {
+            "; a surface has no volume elements: mesh its volume with tetrahedra, by gmsh or TetGen".into()
+        }
         _ => String::new(),
     }
 }

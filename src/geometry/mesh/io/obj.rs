@@ -223,8 +223,8 @@ impl Checked<'_> {
         })?;
         if index == 0 || index.unsigned_abs() > count as u64 {
             let message = format!(
-                "triangle {triangle} refers to vertex {index}, but {count} vertices are defined above; allowed: 1..={count} or \
-                 -{count}..=-1"
+                "triangle {triangle} refers to vertex {index}, but {count} vertices are defined above; allowed: \
+                 1..={count} or -{count}..=-1"
             );
             return Err(text::at(self.path, word, message));
         }

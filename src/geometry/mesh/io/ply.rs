@@ -125,8 +125,8 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
     if mesh.triangles.is_empty() {
         let n = mesh.vertices.len();
         let message = format!(
-            "the mesh is empty: {n} vertices and no faces; create a surface from the point cloud first (for example by Poisson \
-             reconstruction in MeshLab or Open3D)"
+            "the mesh is empty: {n} vertices and no faces; create a surface from the point cloud first (for example by \
+             Poisson reconstruction in MeshLab or Open3D)"
         );
         return Err(Error::file(path, message));
     }

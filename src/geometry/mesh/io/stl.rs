@@ -40,7 +40,8 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>
         };
         let (whole, over) = ((size - HEADER as u64) / FACET as u64, (size - HEADER as u64) % FACET as u64);
         let count = if whole.abs_diff(declared) <= MISCOUNTED && (over == 0 || whole < declared) {
-            let news = format!("{file}: the header counts {declared} facets, but the file contains {whole}, which are read");
+            let news =
+                format!("{file}: the header counts {declared} facets, but the file contains {whole}, which are read");
             notices.push(news);
             whole
         } else if whole >= declared && declared >= 4 {
@@ -48,8 +49,8 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>
             declared
         } else {
             let message = format!(
-                "not an STL file, or truncated: its binary header declares {declared} facets = {} bytes, but it has {size} \
-                 bytes, and it does not start with `solid`",
+                "not an STL file, or truncated: its binary header declares {declared} facets = {} bytes, but it has \
+                 {size} bytes, and it does not start with `solid`",
                 length(declared)
             );
             return Err(Error::file(path, message));

@@ -44,7 +44,8 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         && edges.twisted.count > 0
     {
         return Err(Error::Mesh(format!(
-            "the surface is one-sided, like a Moebius strip: for any orientation of its triangles, those at the edge from {} to {} disagree, so that it encloses no volume; cut it there, or give it a thickness",
+            "the surface is one-sided, like a Moebius strip: for any orientation of its triangles, those at the edge \
+             from {} to {} disagree, so that it encloses no volume; cut it there, or give it a thickness",
             show(a),
             show(b)
         )));
@@ -69,8 +70,8 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let (surface, dust) = attempt(true).or_else(|_| attempt(false)).map_err(nothing)?;
     let moved = Moved::of(&surface, &winding, field.step);
     let mut done = format!(
-        "remeshed from its winding number on a grid of {:.2e} m: {} triangles; the surface moved by at most {:.2e} m, by {:.2e} m on \
-         average",
+        "remeshed from its winding number on a grid of {:.2e} m: {} triangles; the surface moved by at most {:.2e} m, \
+         by {:.2e} m on average",
         field.step,
         surface.triangles.len(),
         moved.most,

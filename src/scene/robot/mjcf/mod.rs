@@ -214,8 +214,9 @@ impl Model {
                 joint.range = Err(equality.error("is the second one for its first joint"));
             }
             Some(_) if bent != [0.0; 3] => {
-                joint.range =
-                    Err(equality.error("has a polycoef of higher than first order; only a linear relation between fingers is supported"));
+                joint.range = Err(equality.error(
+                    "has a polycoef of higher than first order; only a linear relation between fingers is supported",
+                ));
             }
             Some(leader) => joint.mimic = Some(Mimic { leader, gear, offset }),
             None => joint.range = Err(equality.error(format_args!("fixes joint {:?}", joint.name))),

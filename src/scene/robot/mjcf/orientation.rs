@@ -30,9 +30,8 @@ impl Compiler {
     /// Fails for global coordinates and for an invalid Euler sequence.
     pub fn add(&mut self, compiler: &XmlElement) -> Result<(), String> {
         if compiler.text("coordinate").is_some_and(|kind| kind != "local") {
-            return Err(
-                compiler.error("has global coordinates, which MuJoCo no longer supports; save the model with local ones")
-            );
+            return Err(compiler
+                .error("has global coordinates, which MuJoCo no longer supports; save the model with local ones"));
         }
         self.degrees = compiler.text("angle").map_or(self.degrees, |unit| unit != "radian");
         self.autolimits = compiler.text("autolimits").map_or(self.autolimits, |flag| flag == "true");

@@ -126,7 +126,9 @@ impl<'a> Cursor<'a> {
         self.big_endian = match self.take(4, "the 1 that indicates the byte order")? {
             [1, 0, 0, 0] => false,
             [0, 0, 0, 1] => true,
-            other => return Err(self.fail(&format!("the byte order must be indicated by a 1, found the bytes {other:?}"))),
+            other => {
+                return Err(self.fail(&format!("the byte order must be indicated by a 1, found the bytes {other:?}")));
+            }
         };
         Ok(())
     }

@@ -56,8 +56,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<
 }
 
 /// Error message for nodes with geometric parameters, which version 2 stores in a separate section.
-const PARAMETRIC: &str =
-    "the nodes are in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
+const PARAMETRIC: &str = "the nodes are in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
 
 /// Returns the error message for a section whose number of `what` differs from the declared one.
 fn declared(total: usize, found: usize, what: &str) -> String {

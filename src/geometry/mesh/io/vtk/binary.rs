@@ -82,7 +82,8 @@ impl<'a> Content<'a> for Bytes<'a> {
                 Ok(Some(word))
             }
             Err(_) => {
-                Err(self.fail("expected a word of text: the counts before it do not match the contents of the file".into()))
+                Err(self
+                    .fail("expected a word of text: the counts before it do not match the contents of the file".into()))
             }
         }
     }
@@ -122,11 +123,7 @@ impl<'a> Content<'a> for Bytes<'a> {
         };
         let index = |v: i64| u64::try_from(v).map(|value| Index { value, place: None });
         let checked: std::result::Result<Vec<_>, _> = values.into_iter().map(index).collect();
-        checked.map_err(|_| {
-            self.fail(
-                "a negative number in the cells: the file is damaged, or not big-endian".into(),
-            )
-        })
+        checked.map_err(|_| self.fail("a negative number in the cells: the file is damaged, or not big-endian".into()))
     }
 
     fn pass_over(&mut self, keyword: &str) -> Result<()> {

@@ -196,7 +196,8 @@ fn collect(path: &Path, mut mesh: TetMesh, cells: &[Vec<Index>], types: &[Index]
     let mut notices = Vec::new();
     if quadratic > 0 {
         notices.push(format!(
-            "{}: only the 4 corners of {quadratic} tetrahedra of 10 nodes are read; quadratic elements get new mid-edge nodes",
+            "{}: only the 4 corners of {quadratic} tetrahedra of 10 nodes are read; quadratic elements get new \
+             mid-edge nodes",
             path.display()
         ));
     }
