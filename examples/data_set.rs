@@ -22,6 +22,6 @@ fn main() -> Result<()> {
         );
     }
     let (train, test) = (set.select(&set.splits.poses.train).len(), set.select(&set.splits.poses.test).len());
-    println!("{train} grasps to learn from, {test} to be judged on");
+    println!("{train} grasps for training, {test} for testing");
     Ok(())
 }

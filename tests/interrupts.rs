@@ -99,7 +99,7 @@ fn a_data_set_goes_on_after_a_signal() {
     let stderr = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(2), "{stderr}");
     let said = format!(
-        "interrupted; {} of 24 grasps are finished in {}; the same command goes on from there",
+        "interrupted; {} of 24 grasps are finished in {}; the same command resumes from there",
         entered(),
         out.display()
     );

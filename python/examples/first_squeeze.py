@@ -16,5 +16,5 @@ scene = tactus.scene(object=object, gripper=gripper, grasps=ron.Antipodal(count=
 for truth, fast in zip(tactus.run(scene, backend="condensed"), tactus.run(scene, backend="gnn")):
     off = np.linalg.norm(fast.displacement_m[-1] - truth.displacement_m[-1]) / np.linalg.norm(truth.displacement_m[-1])
     times, most = truth.wall_s / fast.wall_s, fast.displacement_error[-1]
-    print(f"grasp {truth.number}: {times:.0f} times as fast, {off:.1%} off; it says at most {most:.1%}")
+    print(f"grasp {truth.number}: {times:.0f} times as fast, error {off:.1%}, error bound {most:.1%}")
     truth.plot().savefig(f"grasp_{truth.number}.png")

@@ -58,7 +58,7 @@ def photograph(height, size, colours):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("run", type=Path, help="folder of a run that records `HeightMap`, and `Markers` if they shall be drawn")
+    parser.add_argument("run", type=Path, help="folder of a run that records `HeightMap`, and `Markers` if these are to be drawn")
     parser.add_argument("--frame", type=int, default=-1)
     parser.add_argument("--out", type=Path, default=Path("photometric.png"))
     args = parser.parse_args()

@@ -16,7 +16,7 @@ import referee
 import tactus
 
 parser = referee.arguments("out/ppo")
-parser.add_argument("--start", type=Path, help="policy.pt of an earlier run to go on from")
+parser.add_argument("--start", type=Path, help="policy.pt of an earlier run to resume")
 parser.add_argument("--horizon", type=int, default=32)
 parser.add_argument("--epochs", type=int, default=6)
 parser.add_argument("--minibatches", type=int, default=8)

@@ -27,7 +27,7 @@ def arguments(out):
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--steps", type=int, default=200_000, help="on the network")
     # The network predicts less accurately than finite elements whether an object is held.
-    parser.add_argument("--margin", type=float, default=0.0, help="of friction that steps on the network leave; less costs 1")
+    parser.add_argument("--margin", type=float, default=0.0, help="of friction that must remain after steps on the network; a smaller one costs 1")
     # Use 0 where every step is a new grasp: its reward is then the complete return.
     parser.add_argument("--gamma", type=float, default=0.97)
     parser.add_argument("--refine", type=int, default=0, help="steps after them on finite elements")

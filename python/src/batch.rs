@@ -212,4 +212,4 @@ impl Batch {
 }
 
 /// Message about environments whose lock was poisoned by a panic.
-const BROKEN: &str = "an earlier call made a mistake inside tactus; make the environments anew";
+const BROKEN: &str = "an earlier call caused an internal error of tactus; create the environments again";

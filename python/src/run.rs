@@ -121,7 +121,8 @@ fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame])
     let (count, pads) = (frames.len(), model.fingers.len());
     let sizes = |i: usize| (model.fingers[i].topology.rest.len(), model.fingers[i].topology.elements.len());
     if (1..pads).any(|i| sizes(i) != sizes(0)) {
-        let text = "the two pads have different numbers of nodes, which one array does not hold; `tactus run` writes `arrays.npz`";
+        let text = "the two pads have different numbers of nodes, which cannot share one array; `tactus run` writes \
+            `arrays.npz`";
         return Err(refused(text));
     }
     let topology = model.fingers.first().map(|f| &f.topology);

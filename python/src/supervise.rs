@@ -140,9 +140,11 @@ where
             Ok(Done::Refused(refusal)) => return Err(refusal.into()),
             Ok(Done::Interrupted) => return Err(PyKeyboardInterrupt::new_err("interrupted")),
             Ok(Done::Panicked(message)) => {
-                return Err(PyRuntimeError::new_err(format!("tactus has made a mistake: {message}")));
+                return Err(PyRuntimeError::new_err(format!("internal error of tactus: {message}")));
             }
-            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("a thread of tactus is lost")),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("a thread of tactus ended unexpectedly"));
+            }
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(raised) = py.check_signals().and_then(|()| look(py)) {
                     given_up.store(true, Ordering::SeqCst);

@@ -64,7 +64,7 @@ class DataSet:
         self.part = part
         self._open()
         for damage in self.damaged():
-            logging.getLogger("tactus").warning("left out: %s", damage)
+            logging.getLogger("tactus").warning("omitted: %s", damage)
         if part == "all":
             self._chosen = [(name, grasp) for name, reached in self._reached.items() for grasp in reached]
         else:

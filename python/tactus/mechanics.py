@@ -47,7 +47,7 @@ class Looked(Function):
         at, under, rubbing = (value.detach().contiguous().numpy() for value in (poses, force, friction))
         values, slopes, look.grasp, look.failed = look.seen.grasps(at, under, rubbing, look.changes)
         if not look.grasp:
-            raise ValueError(f"no grasp has an answer: {look.failed}")
+            raise ValueError(f"no grasp has a prediction: {look.failed}")
         look.names = list(values)
         return tuple(torch.from_numpy(array) for array in (*values.values(), *(slopes[name] for name in values)))
 
@@ -71,7 +71,7 @@ class Looked(Function):
         look.changes = list(range(CHANGES))
         arrays = Looked.apply(*(x.flatten(0, 1) for x in rows), look)
         if look.failed:
-            raise ValueError(f"torch.func.vmap needs an answer to every grasp; by number: {look.failed}")
+            raise ValueError(f"torch.func.vmap needs a prediction for every grasp; failed grasps by number: {look.failed}")
         look.grasp = look.grasp[: len(look.grasp) // n]
         return tuple(array.unflatten(0, (n, -1)) for array in arrays), (0,) * len(arrays)
 
@@ -144,8 +144,9 @@ class NoFurther(Function):
 
 
 SECOND = (
-    "there are no second derivatives by poses, force and friction: Tactus differentiates its mechanics once, by central differences; "
-    "take differences of the gradient, or differentiate by the weights alone: torch.autograd.grad(loss, network.parameters())"
+    "there are no second derivatives with respect to poses, force and friction: Tactus computes first derivatives of its mechanics by central"
+    " differences; "
+    "take differences of the gradient, or differentiate with respect to the weights only: torch.autograd.grad(loss, network.parameters())"
 )
 
 

@@ -58,7 +58,7 @@ class VecEnv(vec_env.VecEnv):
         return [getattr(self.vector, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: None | int | Iterable[int] = None) -> None:
-        raise AttributeError(f"{attr_name}: the environments step together in Rust; what differs between them stands in the scene")
+        raise AttributeError(f"{attr_name}: the environments step together in Rust; differences between them are defined in the scene")
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: None | int | Iterable[int] = None, **method_kwargs: Any

@@ -57,7 +57,7 @@ def test_wrong_arguments_are_named_as_in_python(small, tmp_path):
     with pytest.raises(ValueError, match=r"invalid value '0' for 'grasps") as refused:
         tactus.bench(small, grasps=0)
     assert "--" not in str(refused.value)
-    with pytest.raises(ValueError, match="seed is for a scene with a universe"):
+    with pytest.raises(ValueError, match="seed is allowed only for a scene with a universe"):
         tactus.dataset(small, tmp_path, seed=3)
 
 

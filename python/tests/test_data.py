@@ -115,5 +115,5 @@ def test_what_is_damaged_is_left_out_and_logged(folder, tmp_path, caplog):
     assert data.damaged()[0] in caplog.text
     report = tactus.inspect(tmp_path / "set")
     assert not report.good and report["inspection"]["damaged"]
-    with pytest.raises(ValueError, match="holds no data set"):
+    with pytest.raises(ValueError, match="contains no data set"):
         tactus.DataSet(tmp_path)

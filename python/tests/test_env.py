@@ -74,7 +74,7 @@ def test_results_are_copies_or_alternate():
 def test_a_bad_action_names_its_environment():
     env = vector()
     env.reset(seed=1)
-    with pytest.raises(ValueError, match="environment 1: its action holds NaN"):
+    with pytest.raises(ValueError, match="environment 1: its action contains NaN"):
         env.step(np.array([[0.0], [np.nan]]))
     with pytest.raises(ValueError, match=r"actions have shape \(3,\); allowed: \(2, 1\)"):
         env.step(np.zeros(3))
@@ -156,8 +156,8 @@ def test_snapshots_that_do_not_fit_are_refused():
     changed = saved[:middle] + bytes([saved[middle] ^ 1]) + saved[middle + 1 :]
     bad = {
         "cannot be read": [saved[:-9], b"", b"no snapshot"],
-        "of another scene": [other.save(0)],
-        "checksum does not fit": [changed],
+        "belongs to another scene": [other.save(0)],
+        "checksum does not match": [changed],
     }
     for said, snapshots in bad.items():
         for snapshot in snapshots:

@@ -112,8 +112,8 @@ def test_a_network_runs_and_hands_over(small):
         ({"frames": 0}, r"^error: frames "),
         ({"grasps": [7]}, r"^error: grasp 7: the scene has 3 grasps, 0 to 2"),
         ({"grasps": []}, "at least one"),
-        ({"error_at_most": 0.1}, r"error_at_most and extrapolate are for a network; add backend gnn"),
-        ({"backend": "fem", "model": "universe"}, "model is for a network"),
+        ({"error_at_most": 0.1}, r"error_at_most and extrapolate are allowed only for a network; add backend gnn"),
+        ({"backend": "fem", "model": "universe"}, "model is allowed only for a network"),
         ({"max_time": 0.0}, r"^error: max_time "),
         ({"threads": 0}, r"^error: threads "),
     ],
@@ -182,9 +182,9 @@ def test_a_file_that_the_system_refuses_is_an_error_of_the_system(tmp_path, smal
     for ask in (lambda: tactus.load("file/scene.ron"), lambda: tactus.run(small, frames=1, grasps=[0], out="file/run")):
         with pytest.raises(NotADirectoryError):
             ask()
-    with pytest.raises(FileNotFoundError, match="a model is made by"):
+    with pytest.raises(FileNotFoundError, match="a model is created by"):
         tactus.run(small, model="nowhere")
-    with pytest.raises(FileNotFoundError, match="holds no data set"):
+    with pytest.raises(FileNotFoundError, match="contains no data set"):
         tactus.DataSet("nowhere")
     # A missing file named in a scene is reported as an error of the scene.
     mesh = tmp_path / "mesh.ron"
@@ -205,7 +205,7 @@ def test_messages_are_verbatim_but_for_the_names_of_arguments(small, tmp_path):
     with pytest.raises(ValueError, match="// run with --max-time 5") as refused:
         tactus.load(scene)
     assert f"{scene}:1:" in str(refused.value)
-    with pytest.raises(ValueError, match="^error: error_at_most and extrapolate are for a network; add backend gnn"):
+    with pytest.raises(ValueError, match="^error: error_at_most and extrapolate are allowed only for a network; add backend gnn"):
         tactus.run(small, error_at_most=0.1)
     # Errors of typed command lines name the options.
     for typed in ("--error-at-most=0.1", "--force=-1", "--threads=0"):

@@ -179,7 +179,7 @@ def test_second_derivatives_by_a_grasp_are_refused_and_those_by_the_weights_are_
     force = FORCE.clone().requires_grad_()
     loss = lambda: lemon(POSES[:1], force).contact_force_n[..., 2].square().sum()  # noqa: E731
     (slope,) = torch.autograd.grad(loss(), force, create_graph=True)
-    with pytest.raises(RuntimeError, match="no second derivatives by poses, force and friction"):
+    with pytest.raises(RuntimeError, match="no second derivatives with respect to poses, force and friction"):
         torch.autograd.grad(slope.sum(), force)
     with pytest.raises(RuntimeError, match="no second derivatives"):
         torch.autograd.functional.hessian(lambda f: lemon(POSES[:1], f).contact_force_n.square().sum(), FORCE)
@@ -211,7 +211,7 @@ def test_torch_func_gives_what_autograd_gives(lemon):
     mapped = torch.func.vmap(lambda pose: lemon(pose[None], FORCE).displacement_m[0])(POSES)
     assert torch.allclose(mapped, answers.displacement_m, rtol=1e-12, atol=0)
     far = torch.cat([POSES[:1], POSES[:1] + torch.tensor([0, 0, 10.0, 0, 0, 0, 0])])
-    with pytest.raises(ValueError, match="vmap needs an answer to every grasp"):
+    with pytest.raises(ValueError, match="vmap needs a prediction for every grasp"):
         torch.func.vmap(lambda pose: lemon(pose[None], FORCE).displacement_m)(far)
 
     def shear(force):
@@ -256,7 +256,7 @@ def test_a_folder_is_loaded_as_the_name_is(network):
     folder = tactus.torch.Network.load(ROOT / "models" / "universe")
     for (name, mine), (_, other) in zip(folder.named_parameters(), network.named_parameters()):
         assert torch.equal(mine.cpu(), other.cpu()), name
-    with pytest.raises(FileNotFoundError, match="a model is made by"):
+    with pytest.raises(FileNotFoundError, match="a model is created by"):
         tactus.torch.Network.load("nowhere")
 
 
@@ -269,7 +269,7 @@ def test_what_cannot_be_answered_says_why(network):
         ({"poses": [far]}, "no grasp has an answer"),
         ({"poses": [[0, 0, 0]]}, "7 finite numbers"),
         ({"poses": [here], "force": [-1.0]}, "a force of -1 N"),
-        ({"poses": [here], "friction": 3.0}, "friction is 3, trained was"),
+        ({"poses": [here], "friction": 3.0}, "friction is 3, the training range is"),
         ({"poses": [here], "friction": [0.8] * 3}, "friction: for 3 grasps"),
     ):
         with pytest.raises(ValueError, match=why):

@@ -47,7 +47,7 @@ impl GuardedNetwork {
                 Ok(Some(why.unwrap_or_else(|| "the error of the network is unknown".into())))
             }
             Ok(error) => Ok(Some(format!(
-                "nine of ten such predictions are off by at most {:.1} % in displacement, accepted are {:.1} %",
+                "the displacement error of nine of ten such predictions is at most {:.1} %; accepted are {:.1} %",
                 100.0 * error,
                 100.0 * self.at_most
             ))),
@@ -64,7 +64,7 @@ impl Stepper for GuardedNetwork {
 
     fn settings(&self) -> String {
         let accepted = 100.0 * self.at_most;
-        format!("{}, {} where it may be off by more than {accepted} %", self.network.settings(), self.elements.name())
+        format!("{}, {} where its error bound exceeds {accepted} %", self.network.settings(), self.elements.name())
     }
 
     fn solves_friction(&self) -> bool {
@@ -103,7 +103,8 @@ impl Stepper for GuardedNetwork {
             let [saved, own] =
                 [handed_over, !handed_over].map(|elements| if elements { "finite elements" } else { "the network" });
             return Err(Error::Start(format!(
-                "{saved} computed the saved grasp; here {own} would: it is of another scene, model or version"
+                "the saved grasp was computed by {saved}, but here it would be computed by {own}: it belongs to \
+                 another scene, model or version"
             )));
         }
         self.chosen(world).restore_state(world, history)

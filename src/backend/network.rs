@@ -108,7 +108,7 @@ impl Stepper for NetworkStepper {
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
-        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let missing = || Error::Start("the world was not created for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let model = &shared.0;
         // An agent may command any force.

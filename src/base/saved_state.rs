@@ -47,7 +47,9 @@ impl StateReader<'_> {
     /// Fails if the bytes are truncated or do not encode a `T`.
     pub fn read<T: DeserializeOwned>(&mut self) -> Result<T> {
         let (value, rest) = postcard::take_from_bytes(self.0).map_err(|e| {
-            Error::Start(format!("the saved state cannot be read: {e}; it is cut off, damaged or of another version"))
+            Error::Start(format!(
+                "the saved state cannot be read: {e}; it is truncated, damaged or from another version"
+            ))
         })?;
         self.0 = rest;
         Ok(value)
@@ -61,7 +63,7 @@ impl StateReader<'_> {
         let read: Vec<T> = self.read()?;
         if read.len() != values.len() {
             return Err(Error::Start(format!(
-                "the saved state has {} values where there are {}: it is of another scene",
+                "the saved state has {} values instead of {}: it belongs to another scene",
                 read.len(),
                 values.len()
             )));

@@ -157,7 +157,7 @@ impl References {
         let mut out = format!("{HEAD}\n{}\n", table.markdown());
         for row in &self.rows {
             let time = row.time_s.map_or(String::new(), |t| format!(", {t:.0} s"));
-            out += &format!("- {}: {} of `{}`, {} nodes a pad{time}", row.name, row.reference, row.scene, row.nodes);
+            out += &format!("- {}: {} of `{}`, {} nodes per pad{time}", row.name, row.reference, row.scene, row.nodes);
             row.findings.iter().for_each(|f| out += &format!("; {f}"));
             out.push('\n');
         }
@@ -168,7 +168,7 @@ impl References {
 const HEAD: &str = "# References
 
 Values of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
-`tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error is what the last refinement or a mesh of another kind
-changes, whichever is more, and twice what half the tolerance of the path changes. The last two columns are errors of the reference's whole
-fields, L2 over the volume, relative.
+`tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error combines
+the larger of the changes by the last mesh refinement and by a mesh of another kind with twice the change by half the path tolerance. The
+last two columns are relative L2 errors of the fields of the reference over the volume.
 ";

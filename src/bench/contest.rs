@@ -55,7 +55,7 @@ pub fn contest(
             }
             for entry in &mut entries {
                 progress(&format!(
-                    "turn {} of {}, grasp {index}: {}",
+                    "repetition {} of {}, grasp {index}: {}",
                     turn + 1,
                     rules.repeats,
                     entry.configuration.label
@@ -67,7 +67,7 @@ pub fn contest(
         grasps.retain(|(index, _)| !lost.contains(index));
     }
     if grasps.is_empty() {
-        return Err(Error::Solver(format!("there is nothing to compare with: {}", climb.notices.join("; "))));
+        return Err(Error::Solver(format!("the reference failed for all grasps: {}", climb.notices.join("; "))));
     }
     let numbers = grasps.iter().map(|(index, _)| *index).collect();
     let (ladder, notices) = (climb.ladder(), std::mem::take(&mut climb.notices));
@@ -139,8 +139,11 @@ impl RefinementRun {
             let values = last.map_or_else(FrameValues::new, |(model, frame)| values(model, frame));
             steps.push(MemberResult { role: *role, fields: entry.fields(&frames), values });
             if let Some(reason) = entry.failed.pop() {
-                let whose =
-                    if *role == Role::Reference { "the reference: left out" } else { &entry.configuration.label };
+                let whose = if *role == Role::Reference {
+                    "the reference; the grasp is omitted"
+                } else {
+                    &entry.configuration.label
+                };
                 self.notices.push(format!("{reason} in {whose}"));
             }
             levels = model.map_or(levels, |m| m.levels.clone());

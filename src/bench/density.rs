@@ -27,7 +27,8 @@ pub fn coarser(pads: &Pads, factor: f64) -> Result<Pads> {
         Pads::File(f) => {
             return Err(Error::file(
                 &f.path,
-                "a pad from a file has one density, so there is no finer or coarser one; allowed here: GelSightMini, Box, Disc",
+                "the mesh of a pad from a file is fixed and cannot be refined or coarsened; allowed here: \
+                 GelSightMini, Box, Disc",
             ));
         }
     })

@@ -55,7 +55,7 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     let mut members: Vec<(Role, Configuration)> = Vec::new();
     for rung in 0..if sweep.refinable() { rungs } else { 1 } {
         let finer = coarser(pads, FRAC_1_SQRT_2.powi(rung as i32))?;
-        let new = sweep.configuration("condensed, sharp", finer, fem)?;
+        let new = sweep.configuration("condensed, tight tolerance", finer, fem)?;
         // Spacings are rounded to whole cells, so two of them may result in the same mesh.
         if members.last().is_none_or(|(_, last)| last.nodes < new.nodes) {
             members.push((Role::Rung, new));
@@ -66,12 +66,12 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     reference.label = format!("reference, {}", reference.label);
     let finest = reference.scene.gripper.pads.clone();
     if let Some(other) = other_kind(&finest)? {
-        members.push((Role::Other, sweep.configuration("condensed, sharp", other, fem)?));
+        members.push((Role::Other, sweep.configuration("condensed, tight tolerance", other, fem)?));
     }
     if sweep.scene.gripper.friction.get() > 0.0
         && let Ok(path) = Positive::new(0.5 * fem.path.get())
     {
-        members.push((Role::HalfPath, sweep.configuration("half the path, sharp", finest, Fem { path, ..fem })?));
+        members.push((Role::HalfPath, sweep.configuration("half the path tolerance", finest, Fem { path, ..fem })?));
     }
     Ok(members)
 }
@@ -168,7 +168,8 @@ impl RefinementStudy {
         let mut ladder = Self { members, distances, errors, findings: Vec::new() };
         ladder.findings = ["displacement", "stress"].into_iter().flat_map(|name| ladder.finding(name)).collect();
         if ladder.members.iter().filter(|m| matches!(m.role, Role::Rung | Role::Reference)).count() < 2 {
-            let text = "the pads have one mesh: how much of the answer is the mesh's error is not known, only what settings change on it";
+            let text = "the pads have only one mesh: its discretisation error is unknown, only the effect of other \
+                settings is measured";
             ladder.findings.push(text.into());
         }
         ladder
@@ -184,25 +185,26 @@ impl RefinementStudy {
             (Some(order), Some(last)) => {
                 let left = last / (2_f64.powf(0.5 * order) - 1.0);
                 if left > ESTIMATE_FACTOR * mesh {
-                    doubts.push(format!("the order {order:.1} that the rungs show would leave {}", percent(left)));
+                    doubts.push(format!("the observed order of convergence {order:.1} implies {}", percent(left)));
                 }
             }
-            (None, Some(_)) => doubts.push("the last three rungs do not converge".into()),
+            (None, Some(_)) => doubts.push("the last three mesh levels do not converge".into()),
             _ => {}
         }
         if let (Some(last), Some(other)) = (e.by_rungs, e.by_other)
             && (last / other > ESTIMATE_FACTOR * ESTIMATE_FACTOR || other > last)
         {
             doubts.push(format!(
-                "the last refinement changed {}, the mesh of another kind {}",
+                "the change by the last refinement is {}, that by the mesh of another kind {}",
                 percent(last),
                 percent(other)
             ));
         }
         if let Some(path) = e.by_path.filter(|path| *path > mesh) {
-            doubts.push(format!("the path is more in doubt ({}) than the mesh", percent(path)));
+            doubts.push(format!("the path error ({}) is larger", percent(path)));
         }
-        let text = || format!("{name}: the mesh's error is taken for {}, but {}", percent(mesh), doubts.join(", and "));
+        let text =
+            || format!("{name}: the estimate of the mesh error is {}, but {}", percent(mesh), doubts.join(", and "));
         (!doubts.is_empty()).then(text)
     }
 }

@@ -232,7 +232,7 @@ impl Point {
     /// the fastest finite elements and over the published simulator.
     pub fn speedups(&self) -> Vec<String> {
         let words = |speedup: &Option<SpeedUp>| {
-            speedup.as_ref().map_or_else(|| "no rival here reaches its error".into(), SpeedUp::to_string)
+            speedup.as_ref().map_or_else(|| "no other setting reaches its error".into(), SpeedUp::to_string)
         };
         let mut all =
             vec![format!("speed-up at equal error of {}: {}", self.label, words(&self.speedup_at_equal_error))];
@@ -243,7 +243,8 @@ impl Point {
             ));
             let [least, most] = PUBLISHED.map(|time| time / self.time_per_grasp_s);
             all.push(format!(
-                "over the 2 to 7 minutes a grasp of the tactile paper's simulator on its GPU, as read, not measured: {least:.0} to {most:.0}"
+                "over the published 2 to 7 minutes per grasp of the simulator of the tactile paper on a GPU, not \
+                 measured here: {least:.0} to {most:.0}"
             ));
         }
         all

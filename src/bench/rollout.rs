@@ -74,7 +74,7 @@ pub fn rollouts(
     mut progress: impl FnMut(&str),
 ) -> Result<Rollouts> {
     let task = set.first().and_then(|s| s.scene.task.as_ref());
-    let task = task.ok_or_else(|| Error::Argument("--envs is for a scene with a task; this one has none".into()))?;
+    let task = task.ok_or_else(|| Error::Argument("--envs needs a scene with a task".into()))?;
     let steps = task.steps.get();
     let mut envs = envs.to_vec();
     envs.sort_unstable();
@@ -178,7 +178,7 @@ pub fn save_chart(report: &Rollouts, dir: &Path) -> Result<()> {
 /// batches.
 pub fn text(report: &Rollouts) -> String {
     let mut text = format!(
-        "random policy, turns: {}\n\nsteps/s  environments  threads  worst/median step  memory MB  backend\n",
+        "random policy, repetitions: {}\n\nsteps/s  environments  threads  worst/median step  memory MB  backend\n",
         report.repeats
     );
     for r in &report.rates {
@@ -190,7 +190,7 @@ pub fn text(report: &Rollouts) -> String {
     }
     text.push('\n');
     for (backend, bytes) in &report.memory_per_env_bytes {
-        text += &format!("an environment adds {:.2} MB: {backend}\n", bytes / 1e6);
+        text += &format!("memory per environment {:.2} MB: {backend}\n", bytes / 1e6);
     }
     for s in &report.snapshots {
         text += &format!(
@@ -203,7 +203,7 @@ pub fn text(report: &Rollouts) -> String {
         );
     }
     for name in &report.left_out {
-        text += &format!("left out, an episode would take more than {MAX_EPISODE_TIME:.0} s: {name}\n");
+        text += &format!("omitted, an episode would take more than {MAX_EPISODE_TIME:.0} s: {name}\n");
     }
     text
 }
@@ -231,7 +231,7 @@ impl Picture for Rollouts {
     fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
         let envs = range(self.rates.iter().map(|r| r.envs as f64));
         let rates = range(self.rates.iter().map(|r| r.steps_per_s));
-        let name = "steps of single environments a second, random policy";
+        let name = "steps of single environments per second, random policy";
         let mut chart = axes(area, (envs, "environments".into()), (rates, name.into()))?;
         for line in self.lines() {
             let color = self.color(&line);
@@ -261,7 +261,7 @@ impl Picture for Rollouts {
         }
         lines.push((String::new(), INK));
         let memory =
-            |(backend, bytes): &(String, f64)| (format!("{:.2} MB an environment: {backend}", bytes / 1e6), INK);
+            |(backend, bytes): &(String, f64)| (format!("{:.2} MB per environment: {backend}", bytes / 1e6), INK);
         lines.extend(self.memory_per_env_bytes.iter().map(memory));
         lines
     }

@@ -65,7 +65,7 @@ pub fn cost_by_size(
     mut progress: impl FnMut(&str),
 ) -> Result<SizeStudy> {
     let StepperChoice::Fem(fem) = scene.stepper else {
-        return Err(Error::Start("cost against size is for finite elements; the scene's stepper is a network".into()));
+        return Err(Error::Start("cost against size needs finite elements; the scene's stepper is a network".into()));
     };
     scene.gripper.needs_alike("a bench")?;
     let scene = &accuracy::with_chosen_mesh(scene)?;
@@ -85,7 +85,7 @@ pub fn cost_by_size(
             scene.promise_nothing();
             scene.gripper.pads = pads.clone();
             let density = describe(pads);
-            progress(&format!("turn {} of {repeats}: {density}", turn + 1));
+            progress(&format!("repetition {} of {repeats}: {density}", turn + 1));
             let known = reset_peak_memory();
             let (model, stepper) = (Model::build(&scene)?, choose(&scene)?);
             model.finger()?;
@@ -194,7 +194,7 @@ pub fn text(report: &SizeStudy) -> String {
     };
     let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
     format!(
-        "threads: {}, turns: {}\n\n{head}{}\ncost ~ unknowns^p: p = {} (iteration), {} (frame), {} (memory)\n",
+        "threads: {}, repetitions: {}\n\n{head}{}\ncost ~ unknowns^p: p = {} (iteration), {} (frame), {} (memory)\n",
         report.threads,
         report.repeats,
         report.sizes.iter().map(row).collect::<String>(),

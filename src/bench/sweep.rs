@@ -80,7 +80,9 @@ impl Sweep {
             return Err(Error::Start("a bench compares pads, and the scene has none (`fingers: None`)".into()));
         }
         if matches!(scene.loading, Loading::Dynamic(_)) {
-            return Err(Error::Start("a bench is for `Squeeze` and `Press`; the scene's loading is `Dynamic`".into()));
+            return Err(Error::Start(
+                "a bench supports `Squeeze` and `Press`; the scene's loading is `Dynamic`".into(),
+            ));
         }
         scene.gripper.needs_alike("a bench")?;
         let mut scene = accuracy::with_chosen_mesh(scene)?;

@@ -11,7 +11,7 @@ use std::fmt::Write;
 pub fn text(report: &BenchReport) -> String {
     let width = report.points.iter().chain([&report.reference]).map(|p| p.label.len()).max().unwrap_or(0);
     let mut out = format!(
-        "grasps: {}, turns: {}, threads: {}; errors in % against the reference, median / p90 / worst\n\n",
+        "grasps: {}, repetitions: {}, threads: {}; errors in % against the reference, median / p90 / worst\n\n",
         report.grasps.len(),
         report.repeats,
         report.threads,
@@ -45,7 +45,8 @@ pub fn text(report: &BenchReport) -> String {
             middle(p.travel_error),
         );
     }
-    out += "\n* no other is as fast and as accurate in displacement; the reference's own error is an estimate\n\n";
+    out +=
+        "\n* no other setting is as fast and as accurate in displacement; the reference's own error is an estimate\n\n";
     report.points.iter().chain([&report.reference]).for_each(|p| profile(&mut out, p, width));
     for p in &report.points {
         p.failed.iter().for_each(|reason| {
@@ -66,7 +67,8 @@ pub fn text(report: &BenchReport) -> String {
 pub fn ladder(ladder: &RefinementStudy) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
-    let mut out = String::from("\nhow far the meshes of the ladder are apart, %: displacement, stress, force\n");
+    let mut out =
+        String::from("\ndifferences between the members of the refinement study, %: displacement, stress, force\n");
     for (i, m) in ladder.members.iter().enumerate() {
         let time = m.time_per_grasp_s.map_or("-".into(), |t| format!("{t:.2}"));
         let _ = write!(out, "{}  {:<width$}  {:>6} nodes {time:>8} s ", i + 1, m.label, m.nodes);
@@ -102,7 +104,7 @@ fn profile(out: &mut String, p: &Point, width: usize) {
     let memory = p.peak_memory_bytes.map_or(String::new(), |b| format!("{:.0} MB, ", b as f64 / 1e6));
     let _ = writeln!(
         out,
-        "  {:<width$}  {memory}{:.1} iterations a frame: {}",
+        "  {:<width$}  {memory}{:.1} iterations per frame: {}",
         p.label,
         p.iterations_per_frame,
         shares.join(", ")
@@ -113,7 +115,7 @@ fn headline(out: &mut String, report: &BenchReport) {
     out.push('\n');
     let mut contenders = report.points.iter().filter(|p| p.contender).peekable();
     if contenders.peek().is_none() {
-        *out += "speed-up at equal error: nothing claims one; give a network with --model\n";
+        *out += "speed-up at equal error: no setting to compare; give a network with --model\n";
     }
     for p in contenders {
         p.speedups().iter().for_each(|speedup| {

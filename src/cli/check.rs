@@ -95,7 +95,10 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     if several && args.format == Format::Json {
         console.print(&format!("{}\n", json!({ "objects": objects, "more": more })))?;
     } else if more > 0 {
-        console.print(&format!("// and {}, not examined: choose one with --object\n", counted(more, "more object")))?;
+        console.print(&format!(
+            "// and {} that were not checked: choose one with --object\n",
+            counted(more, "more object")
+        ))?;
     }
     console.print(&problems)?;
     if !errors.is_empty() {
@@ -139,7 +142,10 @@ fn examine(scene: &Scene) -> Result<Found> {
     let (mut unknowns, mut notices, mut problems) = (model.unknowns(), grasps.notices, Vec::new());
     if let Some((grasp, contact)) = contacts.iter().enumerate().find_map(|(i, c)| Some((i, c.as_ref().ok()?))) {
         notices.extend(condensed(scene, &model, contact, &mut unknowns).map(|whole| {
-            format!("unknowns are those of grasp {grasp} at first contact and grow with it; {whole} of the pads are condensed")
+            format!(
+                "the number of unknowns is that of grasp {grasp} at first contact and increases with the contact \
+                area; {whole} unknowns of the pads are condensed"
+            )
         }));
         problems.extend(implausible(scene, &model, &poses[grasp], &expected));
     }

@@ -135,10 +135,10 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         counted(manifest.frames, "frame"),
         campaign.bytes() as f64 / 1e6,
         out.display(),
-        if resumed > 0 { format!("; {resumed} grasps are there already") } else { String::new() },
+        if resumed > 0 { format!("; {resumed} grasps are already finished") } else { String::new() },
     ));
     for LeftOut { name, reason } in manifest.left_out.iter().take(NOTED) {
-        console.warn(&format!("{name}: is left out: {reason}"));
+        console.warn(&format!("{name}: omitted: {reason}"));
     }
     for object in manifest.objects.iter().take(NOTED) {
         object.notices.iter().for_each(|notice| console.warn(&format!("{}: {notice}", object.name)));
@@ -160,14 +160,17 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
             kept(error, || {
                 let ended = bar.ended.load(Ordering::Relaxed);
                 format!(
-                    "{ended} grasps of this part are finished in {}; the same command goes on from there",
+                    "{ended} grasps of this part are finished in {}; the same command resumes from there",
                     out.display()
                 )
             })
         })?;
         let text = match args.format {
             Format::Text => {
-                format!("part {part} of {parts}: {}; without --part the data set is closed\n", counted(ran, "grasp"))
+                format!(
+                    "part {part} of {parts}: {}; run the command without --part to complete the data set\n",
+                    counted(ran, "grasp")
+                )
             }
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
         };
@@ -179,7 +182,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     let manifest = manifest.map_err(|error| {
         kept(error, || {
             let ended = bar.ended.load(Ordering::Relaxed);
-            format!("{ended} of {grasps} grasps are finished in {}; the same command goes on from there", out.display())
+            format!("{ended} of {grasps} grasps are finished in {}; the same command resumes from there", out.display())
         })
     })?;
     let wall = clock.elapsed().as_secs_f64();

@@ -35,10 +35,10 @@ pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
         }
     }
     let computed = manifest.grasps - resumed;
-    let rate = if computed > 0 { format!(", {:.2} s a grasp", wall / computed as f64) } else { String::new() };
+    let rate = if computed > 0 { format!(", {:.2} s per grasp", wall / computed as f64) } else { String::new() };
     let _ = writeln!(
         out,
-        "{} of {} grasps reached; {computed} computed in {wall:.1} s{rate}; {resumed} were there",
+        "{} of {} grasps reached; {computed} computed in {wall:.1} s{rate}; {resumed} were already finished",
         manifest.sum(|o| o.reached),
         manifest.grasps
     );
@@ -60,7 +60,8 @@ pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             out,
-            "{}: pads of {} move by {:.2} % (median) to {:.1} %, objects by {:.3} to {:.2} mm",
+            "{}: the pad displacements of {} change by {:.2} % (median) to {:.1} % (largest), the objects move by \
+             {:.3} to {:.2} mm",
             change.name(),
             counted(pads.len(), "grasp"),
             1e2 * median(pads.iter().copied()),

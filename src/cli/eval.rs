@@ -69,7 +69,8 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         console.warn(&format!(
-            "note: trained on split {} of this data set: {split} may hold grasps it has seen",
+            "note: the network was trained on split {} of this data set; {split} may contain grasps of its training \
+             data",
             predictor.card.split
         ));
     }
@@ -140,10 +141,11 @@ fn report(
         let [bound, kept, median, worst] = [error_at_most, kept, median, worst].map(|v| 100.0 * v);
         let _ = writeln!(
             out,
-            "error_at_most {bound:>2.0} %: the network keeps {kept:.0} % of the grasps, off by {median:.1} % in displacement (median), {worst:.1} % at worst"
+            "error_at_most {bound:>2.0} %: the network computes {kept:.0} % of the grasps, with displacement errors of \
+             {median:.1} % (median) and {worst:.1} % (worst)"
         );
     }
-    let _ = writeln!(out, "network: {:.2} ms a grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);
+    let _ = writeln!(out, "network: {:.2} ms per grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);
     out
 }
 

@@ -134,11 +134,12 @@ impl Found {
             // Adding zero turns -0 into +0.
             let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
-                "grasp 0: the hand stands at ({:.1}, {:.1}, {:.1}) mm in the frame of the object, turned by ({:.4}, {:.4}, {:.4}, {:.4})",
+                "grasp 0: the hand is at ({:.1}, {:.1}, {:.1}) mm in the object frame, with orientation (w, x, y, z) = \
+                 ({:.4}, {:.4}, {:.4}, {:.4})",
                 p.x, p.y, p.z, q.w, q.x, q.y, q.z
             ));
             line(&format!(
-                "in the hand of grasp 0: {}; fingers close along x, the hand approaches along z",
+                "in the hand frame of grasp 0: {}; fingers close along x, the hand approaches along z",
                 reach(&held)
             ));
         }
@@ -171,19 +172,19 @@ impl Found {
         let total = m.fingers.len() as f64;
         if m.is_released_later() {
             line(&format!(
-                "release: the object is held where it is up to {:.4} N, the sum over the fingers",
+                "release: the object is fixed up to {:.4} N, the sum over the fingers, and free afterwards",
                 m.release * total
             ));
         }
         line(&format!(
-            "contact: begins at a gap of {} m, of which all lengths of the method are multiples",
+            "contact: active at gaps below {} m; all lengths of the contact method are multiples of this gap",
             shown(m.offset)
         ));
         if let Some(path) = m.path_error {
-            line(&format!("path: increments are as many as an error of {path:e} of the displacement asks for"));
+            line(&format!("path: the increments are chosen for a relative path error of {path:e} of the displacement"));
         }
         let (all, tried) = (self.poses.len(), self.tried());
-        let untried = if tried < all { format!("; {} more were not tried", all - tried) } else { String::new() };
+        let untried = if tried < all { format!("; {} more were not checked", all - tried) } else { String::new() };
         line(&format!("{} of {tried} grasps can start{untried}", self.started));
         m.notices
             .iter()

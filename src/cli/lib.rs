@@ -117,7 +117,7 @@ fn long_version() -> &'static str {
         let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
         let (data, features) = (::dataset::arrays::FORMAT, net::features::VERSION);
         format!(
-            "{}\n{os} {arch}; data sets of layout {data}, networks of features {features}",
+            "{}\n{os} {arch}; data set layout {data}, network feature version {features}",
             env!("CARGO_PKG_VERSION")
         )
     });
@@ -142,7 +142,7 @@ pub fn main() -> ExitCode {
 /// Prints the last message of a command that is ended after a signal because it did not check the stop flag in time.
 fn last_words() {
     // A failure to write is ignored: the terminal may have been closed.
-    Terminal::fail("\ninterrupted; files that were being written are as they were before");
+    Terminal::fail("\ninterrupted; files that were being written keep their previous contents");
 }
 
 /// Returns `error`; if it is an interruption, its message states what is kept.

@@ -26,7 +26,7 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &
     if expected.grasp_s > MAX_GRASP_TIME {
         let steps = steps(model).zip(model.dynamics.as_ref()).map_or_else(String::new, |(steps, dynamics)| {
             let (steps, step) = (shown(rounded(steps, 2)), shown(dynamics.time_step));
-            format!(": it is {steps} steps in time; is `time_step` = {step} s what is meant?")
+            format!(": it has {steps} time steps; is `time_step` = {step} s intended?")
         });
         let long = HumanDuration(Duration::from_secs_f64(expected.grasp_s.min(1e12)));
         all.push(format!("a grasp takes about {long} of processor time{steps}"));
@@ -50,8 +50,8 @@ fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<St
     let young = scene.gripper.like(side).material.spec().young;
     let two = |value: f64| shown(rounded(value, 2));
     Some(format!(
-        "a force of {} N on the {} pad presses the object {} mm deep into gel that is {} mm thick (the force is {} E t^2): is `young` = {} Pa \
-         in pascals, and the force in newtons?",
+        "a force of {} N on the {} pad would press the object {} mm deep into a gel of {} mm thickness (the force is \
+         {} E t^2): is `young` = {} Pa given in pascals, and the force in newtons?",
         shown(force),
         pad_name(side),
         two(depth * 1e3),

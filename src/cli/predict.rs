@@ -118,7 +118,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     // Existing files are detected before anything is computed.
     let earlier = set.scenes.iter().filter_map(|named| arrays_of(args, named)).find(|path| path.exists());
     if let Some(path) = earlier.filter(|_| !args.overwrite) {
-        let message = "holds an earlier prediction; choose another output directory, or --overwrite it";
+        let message = "contains an earlier prediction; choose another output directory, or use --overwrite";
         return Err(Error::file(path, message));
     }
     let mut reports = Vec::new();
@@ -175,7 +175,7 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
 impl Report {
     fn text(&self) -> String {
         let mut text = format!("object {}\n", self.name);
-        text += "grasp  travel mm  displacement mm  stress kPa  object deg  displacement is off by at most\n";
+        text += "grasp  travel mm  displacement mm  stress kPa  object deg  bound of the displacement error\n";
         for Row { grasp, end } in &self.grasps {
             // Writing to a String cannot fail.
             let _ = match end {
@@ -197,7 +197,7 @@ impl Report {
         let answered = self.grasps.iter().filter(|row| matches!(row.end, End::Answer(_))).count();
         let _ = writeln!(
             text,
-            "{answered} of {} grasps in {:.2} s on {}, {:.0} a second; {} each, {:.1} of them decoded",
+            "{answered} of {} grasps in {:.2} s on {}, {:.0} per second; {} each, {:.1} of them decoded",
             self.grasps.len(),
             self.wall_s,
             counted(self.threads, "thread"),

@@ -145,7 +145,7 @@ pub(super) fn with_object_name(name: &str, error: &Error) -> Error {
 /// Returns a JSON report with the name of its object added.
 fn with_name(name: &str, text: &str) -> Result<Value> {
     let mut report: Value =
-        serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is no JSON: {e}")))?;
+        serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is not valid JSON: {e}")))?;
     report["name"] = json!(name);
     Ok(report)
 }

@@ -35,7 +35,7 @@ pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &Simulated) ->
     if !held.is_empty() {
         out.push('\n');
         if let StepperChoice::Gnn(_) = scene.stepper {
-            let _ = writeln!(out, "judged by {}:", scene.promised_in());
+            let _ = writeln!(out, "expectations from {}:", scene.promised_in());
         }
         scene.promises().iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
     }
@@ -84,7 +84,7 @@ fn rows(out: &mut String, grasps: &[(usize, Pose)], outcomes: &[Outcome]) {
             let _ = match moved.displacement.zip(moved.object_m) {
                 Some((pads, object)) => writeln!(
                     out,
-                    "       {}: pads move by {:.1} %, the object by {:.3} mm",
+                    "       {}: the pad displacement changes by {:.1} %, the object moves by {:.3} mm",
                     moved.change.name(),
                     1e2 * pads,
                     1e3 * object
@@ -124,7 +124,7 @@ fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64
         let whole = factorization + stage("assembly") + stage("solve") + stage("line_search");
         let _ = writeln!(
             out,
-            "one Newton iteration takes {:.1} ms and costs {:.1} times its factorisation",
+            "one Newton iteration takes {:.1} ms, {:.1} times the time of its factorisation",
             1e3 * whole / iterations as f64,
             whole / factorization
         );

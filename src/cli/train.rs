@@ -58,9 +58,9 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
     console.say(&format!(
-        "{} parameters; {training} grasps to learn from, {validation} to stop by{}",
+        "{} parameters; {training} grasps for training, {validation} for early stopping{}",
         trainer.card().parameters,
-        if resumed > 0 { format!("; {resumed} epochs are there already") } else { String::new() }
+        if resumed > 0 { format!("; {resumed} epochs are already finished") } else { String::new() }
     ));
     let bar = console.show(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
     // The template is a constant; if it were invalid, the default style would be used.
@@ -78,14 +78,14 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let end = end.map_err(|error| {
         kept(error, || {
             let (done, all) = (trainer.epochs().len(), spec.training.epochs.get());
-            format!("{done} of {all} epochs are kept in {}; the same command goes on from there", args.out.display())
+            format!("{done} of {all} epochs are saved in {}; the same command resumes from there", args.out.display())
         })
     })?;
     let wall = clock.elapsed().as_secs_f64();
     let card = trainer.card();
     let why = match end {
         End::Epochs => "all epochs done",
-        End::Patience => "no better for long enough",
+        End::Patience => "stopped early",
     };
     let text = match args.format {
         Format::Text => format!(

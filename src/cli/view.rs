@@ -60,11 +60,11 @@ pub struct WatchArgs {
 pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     let scene = args.path.extension().is_some_and(|ending| ending == "ron");
     if !scene && args.out.is_some() {
-        return Err(refused("-o DIR is for a scene, whose results it takes"));
+        return Err(refused("-o DIR is the folder of the results of a scene, and is allowed with a scene only"));
     }
     if !scene && !holds_results(&args.path) && !is_held(&args.path) {
-        let message = "holds nothing to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` writes, or a scene \
-                       (FILE.ron)";
+        let message = "contains no results to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` \
+            writes, or a scene (FILE.ron)";
         return Err(Error::file(&args.path, message));
     }
     let (out, _kept) = if scene { folder(args.out.as_deref())? } else { (args.path.clone(), None) };
@@ -111,7 +111,7 @@ pub(super) fn watched(
         open_browser(&address, console);
     }
     let code = work()?;
-    console.say(&format!("{address} stays until Ctrl-C"));
+    console.say(&format!("{address} is available until Ctrl-C"));
     viewer.wait();
     Ok(code)
 }
@@ -123,8 +123,9 @@ pub(super) fn folder(out: Option<&Path>) -> Result<(PathBuf, Option<tempfile::Te
         Some(dir) => Ok((dir.to_path_buf(), None)),
         None => {
             let made = tempfile::Builder::new().prefix("tactus-").tempdir();
-            let dir =
-                made.map_err(|e| Error::Start(format!("cannot make a temporary folder: {e}; name one by -o DIR")))?;
+            let dir = made.map_err(|e| {
+                Error::Start(format!("cannot create a temporary folder: {e}; give a folder with -o DIR"))
+            })?;
             Ok((dir.path().to_path_buf(), Some(dir)))
         }
     }
@@ -137,6 +138,6 @@ fn has_display() -> bool {
 
 fn open_browser(address: &str, console: &dyn Console) {
     if let Err(error) = open::that_detached(address) {
-        console.warn(&format!("note: no browser opens ({error}); the page is at {address}"));
+        console.warn(&format!("note: no browser could be opened ({error}); the page is at {address}"));
     }
 }

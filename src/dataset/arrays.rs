@@ -208,7 +208,7 @@ arrays! {
     MinGap (names::MIN_GAP) F64 s [s.frames] "m" "smallest gap between pads and object";
     NewtonIterations (names::NEWTON_ITERATIONS) U32 s [s.frames] "1" "Newton iterations of the frame";
     Pose (names::GRASP_POSE) F64 s [7] "m, 1" "px py pz qw qx qy qz of the hand in the object frame: x_object = R(q) x_hand + p";
-    RecordedFrames "recorded_frames" U32 s [] "1" "valid frames of the grasp: the first so many";
+    RecordedFrames "recorded_frames" U32 s [] "1" "number of valid frames of the grasp, which come first";
     Status "status"         U8  s [] "1" "0 not simulated, 1 reached, 2 fault, 3 infeasible, 4 dropped";
     Reason "reason"         U8  s [MAX_REASON_BYTES] "text" "why the grasp was not reached, UTF-8, padded with zeros";
     Checksum "checksum"       U8  s [32] "1" "BLAKE3 of the grasp's rows of all other arrays, in the order of the file";

@@ -72,7 +72,7 @@ impl Campaign {
         }
         selection.map_or(Ok(()), |selection| selection.apply(&mut objects, &mut entries))?;
         if objects.is_empty() {
-            return Err(Error::Start("no drawn object has a grasp; draw more, or other ones".into()));
+            return Err(Error::Start("no sampled object has a grasp; sample more, or other objects".into()));
         }
         let counts: Vec<_> = objects.iter().map(|o| (o.named.name.as_str().to_string(), o.poses.len())).collect();
         let splits = Splits::new(&set.split, &counts);
@@ -99,7 +99,7 @@ impl Campaign {
     fn resume(&mut self) -> Result<()> {
         match Manifest::read(&self.dir)? {
             Some(earlier) if earlier.plan != self.manifest.plan => {
-                let message = "holds another data set (its scene, grasps or version of tactus differ); \
+                let message = "contains another data set (its scene, grasps or version of tactus differ); \
                                choose another folder, or remove this one";
                 Err(Error::file(&self.dir, message))
             }
@@ -107,8 +107,8 @@ impl Campaign {
             Some(earlier) if earlier.finished => {
                 let entry = |e: &ObjectEntry| (e.name.clone(), e.file.clone(), e.grasps);
                 if !earlier.objects.iter().map(entry).eq(self.manifest.objects.iter().map(entry)) {
-                    let message = "does not list the objects of its plan: it was changed or damaged; take it from a copy, or remove \
-                                   the folder and make the data set again";
+                    let message = "does not list the objects of its plan: it was changed or damaged; restore it from a \
+                        copy, or remove the folder and generate the data set again";
                     return Err(Error::file(self.dir.join(MANIFEST), message));
                 }
                 self.manifest = earlier;
@@ -273,7 +273,10 @@ impl Campaign {
         }
         let finished = self.progress(object).finished(object.poses.len());
         if finished.len() < object.poses.len() {
-            return Err(Error::file(&path, "records of its grasps are gone; run the same `tactus dataset` again"));
+            return Err(Error::file(
+                &path,
+                "records of its grasps are missing; run the same `tactus dataset` command again",
+            ));
         }
         Ok(finished)
     }

@@ -86,7 +86,7 @@ fn attributes(builder: &mut FileBuilder, named: &NamedScene, model: &Model, scen
             if mirrored {
                 "node and tetrahedron i of the right pad mirror those of the left along pad x"
             } else {
-                "the right pad is not the mirror image of the left one: the loader's rest shape of it does not fit"
+                "the right pad is not the mirror image of the left one: the loader's undeformed shape of it is wrong"
             },
         ),
     ] {
@@ -150,7 +150,7 @@ fn topology(group: &mut GroupBuilder, pad: &PadTopology) {
     integers(group, names::SENSING, "triangles of the sensing face, outward", 3, pad.sensing.as_flattened());
     let bonded: Vec<u8> = pad.bonded.iter().map(|b| u8::from(*b)).collect();
     let dataset = group.create_dataset(names::BONDED).with_u8_data(&bonded);
-    dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is glued to the finger"));
+    dataset.set_attr("unit", text("1")).set_attr("about", text("1 where the node is bonded to the finger"));
 }
 
 fn doubles(group: &mut GroupBuilder, name: &str, unit: &str, about: &str, width: usize, values: &[f64]) {

@@ -133,10 +133,11 @@ impl Manifest {
             Err(e) => return Err(fail(format!("cannot be read: {e}"))),
         };
         let text =
-            String::from_utf8(bytes).map_err(|_| fail("is no manifest of a data set: it is not UTF-8".into()))?;
+            String::from_utf8(bytes).map_err(|_| fail("is not a manifest of a data set: it is not UTF-8".into()))?;
         let manifest: Self = serde_json::from_str(&text).map_err(|e| {
             fail(format!(
-                "is no manifest of a data set: {e}; take it from a copy, or make the data set again in another folder"
+                "is not a manifest of a data set: {e}; restore it from a copy, or generate the data set again in \
+                 another folder"
             ))
         })?;
         let sum = &manifest.checksum;
@@ -146,13 +147,13 @@ impl Manifest {
             && blake3::hash(text.replacen(sum, "", 1).as_bytes()).to_hex().as_str() != sum
         {
             let message =
-                "was changed or damaged since it was written; take it from a copy, or make the data set again";
+                "was changed or damaged since it was written; restore it from a copy, or generate the data set again";
             return Err(fail(message.into()));
         }
         if manifest.format != FORMAT {
             return Err(fail(format!(
-                "has layout {}; this build reads {FORMAT}: make the data set again with `tactus dataset SCENE -o DIR` in another folder; models \
-                 trained on it stay valid",
+                "has layout {}; this build reads {FORMAT}: generate the data set again with `tactus dataset SCENE -o \
+                 DIR` in another folder; models trained on it stay valid",
                 manifest.format
             )));
         }

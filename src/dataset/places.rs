@@ -30,7 +30,7 @@ impl RowPositions {
                 Layout::Contiguous { address: Some(at), size } if size == wanted && at + size <= file.file_size() => {
                     Ok((at, array.bytes()))
                 }
-                Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or cut off"))),
+                Layout::Contiguous { size, .. } => Err(fail(format!("{size} bytes instead of {wanted}, or truncated"))),
                 _ => Err(fail("is not contiguous; write the file with `tactus dataset`".into())),
             }
         };

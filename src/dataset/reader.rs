@@ -90,8 +90,8 @@ impl ObjectFile {
         if format != Some(FORMAT) {
             let found = format.map_or("no `format`".into(), |f| format!("layout {f}"));
             return Err(fail(format!(
-                "has {found}, and this build reads data sets of layout {FORMAT}, whose arrays are named by their units: make it \
-                 again with `tactus dataset SCENE -o DIR`; models trained on it stay valid"
+                "has {found}, and this build reads data sets of layout {FORMAT}, whose arrays are named by their \
+                 units: generate it again with `tactus dataset SCENE -o DIR`; models trained on it stay valid"
             )));
         }
         let text = |name: &str| {
@@ -195,7 +195,7 @@ impl ObjectFile {
             || pad_poses.len() != *pads
             || closing.len() != *pads
         {
-            return Err(fail("the arrays of the pad do not fit those of the frames".into()));
+            return Err(fail("the arrays of the pad do not match those of the frames".into()));
         }
         Ok(Self {
             name: text("object")?,
@@ -242,7 +242,7 @@ impl ObjectFile {
             self.rows(grasp).map_err(|e| Error::file(&self.path, format!("grasp {grasp} cannot be read: {e}")))?;
         if checksum(&rows).as_bytes() != rows[RowName::Checksum as usize].as_slice() {
             let message = format!(
-                "grasp {grasp} is damaged: its rows do not have its checksum; leave it out, or make the file again"
+                "grasp {grasp} is damaged: its rows do not match its checksum; omit it, or generate the file again"
             );
             return Err(Error::file(&self.path, message));
         }

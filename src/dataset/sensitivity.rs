@@ -49,7 +49,9 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
     };
     let Some(table) = text.strip_prefix(&first_line(plan)) else { return Ok(Vec::new()) };
     let rows = csv::Reader::from_reader(table.as_bytes()).into_deserialize().collect::<std::result::Result<_, _>>();
-    rows.map_err(|e| Error::file(&path, format!("is no table of sensitivities: {e}; remove it and make it again")))
+    rows.map_err(|e| {
+        Error::file(&path, format!("is not a table of sensitivities: {e}; remove it and generate it again"))
+    })
 }
 
 /// Measures the grasps of one object at `poses`, except those already in the `table`, and writes the extended table to

@@ -32,19 +32,22 @@ impl DataSet {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self> {
         let dir = dir.as_ref();
         let manifest = Manifest::read(dir)?.ok_or_else(|| {
-            let message = "holds no data set (no manifest.json); make one with `tactus dataset SCENE -o DIR`";
+            let message = "contains no data set (no manifest.json); generate one with `tactus dataset SCENE -o DIR`";
             match dir.exists() {
                 true => Error::file(dir, message),
                 false => Error::system(dir, message, ErrorKind::NotFound),
             }
         })?;
         if !manifest.finished {
-            return Err(Error::file(dir, "the data set is not finished; run the same `tactus dataset` again to go on"));
+            return Err(Error::file(
+                dir,
+                "the data set is not finished; run the same `tactus dataset` command again to resume",
+            ));
         }
         let path = dir.join("splits.json");
         let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
         if !manifest.splits.is_empty() && blake3::hash(&bytes).to_hex().as_str() != manifest.splits {
-            return Err(Error::file(&path, "was changed or damaged since it was written; take it from a copy"));
+            return Err(Error::file(&path, "was changed or damaged since it was written; restore it from a copy"));
         }
         let splits = serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not readable: {e}")))?;
         let (mut objects, mut damaged) = (Vec::new(), Vec::new());
@@ -74,14 +77,14 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let size =
         std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();
     if size != entry.bytes {
-        return fail(format!("has {size} bytes instead of {}: cut off or changed", entry.bytes));
+        return fail(format!("has {size} bytes instead of {}: truncated or changed", entry.bytes));
     }
     // Older data sets have a hash of the whole file only.
     let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.is_on(path))?;
     if !same {
         return fail(
-            "was changed or damaged since it was made: it is not the file of the manifest; take it from a copy, \
-                     or make the data set again"
+            "was changed or damaged since it was generated: it is not the file of the manifest; restore it from a \
+             copy, or generate the data set again"
                 .into(),
         );
     }
@@ -90,7 +93,7 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
         Ok(object)
     } else {
         fail(format!(
-            "is of {} grasps of `{}`, not of {} of `{}`",
+            "contains {} grasps of `{}` instead of {} of `{}`",
             object.sizes.grasps, object.name, entry.grasps, entry.name
         ))
     }

@@ -181,7 +181,7 @@ impl BatchEnv {
         let mode = self.config.autoreset;
         for (i, (env, numbers)) in self.envs.iter().zip(actions.chunks_exact(size)).enumerate() {
             if let Some(bad) = numbers.iter().find(|v| !v.is_finite()) {
-                return Err(StepError::of(i, format!("its action holds {bad}; allowed: -1 to 1")));
+                return Err(StepError::of(i, format!("its action contains {bad}; allowed: -1 to 1")));
             }
             if env.output.obs.is_empty() {
                 return Err(StepError::of(i, "steps before its first reset; call `reset`"));

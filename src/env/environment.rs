@@ -276,7 +276,7 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
             Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
             Phase::Dropped { reason } => return Err(Stop { dropped: true, reason }),
             Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(Stop::fault(reason)),
-            Phase::Done => return Err(Stop::fault("the grasp ended before it began")),
+            Phase::Done => return Err(Stop::fault("the grasp ended before its first step")),
             Phase::Place | Phase::Close => environment.step(),
         };
     }

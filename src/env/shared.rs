@@ -78,7 +78,7 @@ impl EnvShared {
         let set: Vec<&NamedScene> = set.iter().filter(wanted).collect();
         let none = || Error::Start("objects: give at least one".into());
         let first = &set.first().ok_or_else(none)?.scene;
-        let missing = || Error::Start("the scene has no `task: (...)`, which says what an agent does".into());
+        let missing = || Error::Start("the scene has no `task: (...)`, which defines the task of an agent".into());
         let task = first.task.clone().ok_or_else(missing)?;
         set.iter().try_for_each(|named| named.scene.gripper.needs_alike("a task"))?;
         let stepper = choose(first)?;

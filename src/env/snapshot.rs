@@ -43,7 +43,7 @@ impl Snapshot {
     /// Fails if the bytes are truncated or not a snapshot.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         postcard::from_bytes(bytes)
-            .map_err(|e| format!("the snapshot cannot be read: {e}; it is cut off, was changed, or is no snapshot"))
+            .map_err(|e| format!("the snapshot cannot be read: {e}; it is truncated or changed, or is not a snapshot"))
     }
 
     /// Checks that the snapshot can be restored in environments of identity `scene`. The error states the reason why
@@ -53,10 +53,12 @@ impl Snapshot {
             return Err(format!("the snapshot has format {}; this version of tactus reads {FORMAT}", self.format));
         }
         if self.scene != scene {
-            return Err("the snapshot is of another scene: its task, objects, grasps, pads or backend differ".into());
+            return Err(
+                "the snapshot belongs to another scene: its task, objects, grasps, pads or backend differ".into()
+            );
         }
         if self.checksum != self.sum() {
-            return Err("the snapshot was changed or damaged: its checksum does not fit; save it anew".into());
+            return Err("the snapshot was changed or damaged: its checksum does not match; save it again".into());
         }
         Ok(())
     }

@@ -78,7 +78,7 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let patches = looked_at.flat_map(|(grasp, pose)| bed.patches(scene, object, grasp, pose));
     let Some(all) = patches.reduce(Patch::demanding) else {
         let why = format!(
-            "accuracy {}: no grasp that was looked at meets the object, so the mesh is that without it",
+            "accuracy {}: none of the checked grasps touches the object, so the mesh is that without `accuracy`",
             shown(accuracy)
         );
         return Ok(Some(Choice { pads: pads.with_mesh(None, None), why }));
@@ -95,8 +95,9 @@ pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
     let spacing = at_edge / Resolution::widening(focus, all.reach);
     let three = |v: f64| shown(rounded(v, 3));
     let why = format!(
-        "accuracy {}: the smallest patch, of grasp {} on the {} pad, is {} mm in size (twice its area over its perimeter) and reaches to {} of \
-         the half width of the pad; spacing {} mm with focus {} has cells of {} mm at its edge",
+        "accuracy {}: the smallest contact patch, of grasp {} on the {} pad, has a size of {} mm (twice its area over \
+         its perimeter) and extends to {} of the half width of the pad; spacing {} mm with focus {} gives cells of {} \
+         mm at its edge",
         shown(accuracy),
         all.grasp,
         pad_name(all.side),

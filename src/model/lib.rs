@@ -148,7 +148,7 @@ impl Model {
             let depth = levels.iter().copied().fold(0.0, f64::max);
             if depth >= thickness {
                 let [depth, thickness] = [depth, thickness].map(|v| shown(v * 1e3));
-                let message = format!("a press of {depth} mm goes through the pad, which is {thickness} mm thick");
+                let message = format!("a press of {depth} mm exceeds the thickness of the pad, {thickness} mm");
                 return Err(Error::Start(format!("{message}; give a smaller depth")).about("loading"));
             }
         }

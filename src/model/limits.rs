@@ -80,7 +80,7 @@ pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
 pub fn admit(need: u64, pad: PadSize) -> Result<()> {
     match free_memory() {
         Some(free) if need > free => Err(Error::Mesh(format!(
-            "pads of {} nodes, {} unknowns each, take about {} of memory, and {} are free; use a larger spacing",
+            "pads of {} nodes, {} unknowns each, need about {} of memory, but only {} are free; use a larger spacing",
             pad.nodes,
             pad.unknowns,
             bytes(need),
@@ -98,7 +98,8 @@ pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
             let message = format!(
-                "the data set takes up to {}, and {} are free there; choose another folder, fewer grasps or fewer frames",
+                "the data set needs up to {}, but only {} are free there; choose another folder, fewer grasps or fewer \
+                 frames",
                 bytes(need),
                 bytes(free)
             );

@@ -59,7 +59,7 @@ impl GraspArrays {
         if topologies.iter().any(|t| t.elements.width() != width) {
             return Err(Error::file(
                 path,
-                "linear and quadratic pads do not fit one `tets` array; switch off the arrays",
+                "linear and quadratic pads cannot share one `tets` array; switch off the arrays",
             ));
         }
         let mut arrays = GraspArrays {

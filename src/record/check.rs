@@ -113,7 +113,7 @@ fn vectors(name: &str, field: &str, values: &[DVec3]) -> Verdict {
 }
 
 fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
-    if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries, needed are {want} ({of})")) }
+    if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries instead of {want} ({of})")) }
 }
 
 /// Checks the length of an optional field, which is empty if the scene does not record it.
@@ -124,6 +124,6 @@ fn optional(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdi
 fn indices(name: &str, field: &str, values: &[u32], nodes: usize) -> Verdict {
     match values.iter().find(|&&i| i as usize >= nodes) {
         None => Ok(()),
-        Some(i) => Err(format!("{name}: {field} names node {i}, there are {nodes} (counted from 0)")),
+        Some(i) => Err(format!("{name}: {field} refers to node {i}, but there are {nodes} (counted from 0)")),
     }
 }

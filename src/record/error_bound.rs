@@ -61,12 +61,13 @@ impl ErrorBound {
 impl fmt::Display for ErrorBound {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         if !self.is_known() {
-            return f.write_str("by how much such predictions are off is unknown");
+            return f.write_str("the error of such predictions is unknown");
         }
         let [displacement, stress, travel] = self.to_array().map(|v| 100.0 * v);
         write!(
             f,
-            "nine of ten such predictions are off by at most {displacement:.1} % in displacement, {stress:.1} % in stress, {travel:.1} % in travel"
+            "errors of nine of ten such predictions are at most {displacement:.1} % in displacement, {stress:.1} % in \
+             stress, {travel:.1} % in travel"
         )
     }
 }

@@ -57,8 +57,8 @@ pub fn read(dir: &Path, count: usize) -> Result<(Vec<PadTopology>, TriMesh)> {
     let fail = |message: String| Error::file(&path, message);
     let file = File::open(&path)
         .map_err(|e| fail(format!("cannot be read: {e}; runs write it with `arrays.npz`: run the scene again")))?;
-    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
-    let arrays = npz.names().map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
+    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is not an archive of arrays: {e}")))?;
+    let arrays = npz.names().map_err(|e| fail(format!("is not an archive of arrays: {e}")))?;
     let mut archive = Archive { path: &path, npz: &mut npz };
     let [left, right] = names::PADS;
     let mut pads = vec![archive.pad(left)?; count];

@@ -19,7 +19,7 @@ use std::path::Path;
 pub fn run_report(dir: &Path) -> Result<RunReport> {
     let path = dir.join("run.json");
     let bytes = std::fs::read(&path).map_err(|e| Error::system(&path, format!("cannot be read: {e}"), e.kind()))?;
-    serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is no report of a run: {e}")))
+    serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not a report of a run: {e}")))
 }
 
 /// Reads the frames of a grasp from `arrays.npz`; `nodes` holds the number of nodes of each pad. Frames contain the
@@ -30,7 +30,7 @@ pub fn run_report(dir: &Path) -> Result<RunReport> {
 pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
-    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is no archive of arrays: {e}")))?;
+    let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is not an archive of arrays: {e}")))?;
     let position = needed::<Ix3>(path, &mut npz, names::POSITION)?;
     let displacement = needed::<Ix3>(path, &mut npz, names::DISPLACEMENT)?;
     let (force, time) = (needed::<Ix1>(path, &mut npz, names::FORCE)?, needed::<Ix1>(path, &mut npz, names::TIME)?);
@@ -53,7 +53,7 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
         && wrench.shape() == [count, pads, 6]
         && time.len() == count;
     if !fits {
-        return Err(fail(format!("its arrays do not fit each other, or are not of {pads} pads with {nodes:?} nodes")));
+        return Err(fail(format!("its arrays are inconsistent, or are not those of {pads} pads with {nodes:?} nodes")));
     }
     let own = |pad: usize| {
         let first: usize = nodes[..pad].iter().sum();

@@ -37,9 +37,9 @@ impl Change {
     pub fn name(self) -> &'static str {
         match self {
             Change::Friction => "friction +0.1",
-            Change::Turn => "hand turned 0.5 degrees",
-            Change::Shift => "hand shifted 0.2 mm",
-            Change::Release => "let go at half the force",
+            Change::Turn => "hand rotated by 0.5 degrees",
+            Change::Shift => "hand shifted by 0.2 mm",
+            Change::Release => "released at half the force",
         }
     }
 }

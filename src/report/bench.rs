@@ -20,12 +20,9 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let chart = dir.join("bench.svg");
     if let Ok(svg) = std::fs::read_to_string(&chart) {
         if !svg.contains("<svg") {
-            return Err(Error::file(&chart, "is no SVG picture"));
+            return Err(Error::file(&chart, "is not an SVG picture"));
         }
-        blocks.push(PageBlock::Picture(
-            svg,
-            "Time against error, both logarithmic; what lies lower left is better.".into(),
-        ));
+        blocks.push(PageBlock::Picture(svg, "Error against time, both logarithmic; lower left is better.".into()));
     }
     blocks.push(PageBlock::Table(points(&report)));
     for point in report.points.iter().filter(|p| p.contender) {
@@ -34,9 +31,10 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     blocks.extend(report.notices.iter().map(|notice| PageBlock::Note(notice.clone())));
     blocks.push(PageBlock::Table(stages(&report)));
     let lead = format!(
-        "{}, {} of each setting on each grasp in turn, {} a grasp. Errors are against {}, and relative to the field's norm.",
+        "{}, {} of each setting on each grasp, {} per grasp. Errors are differences from {}, relative to the norm of \
+         the field.",
         counted(report.grasps.len(), "grasp"),
-        counted(report.repeats, "turn"),
+        counted(report.repeats, "repetition"),
         counted(report.threads, "thread"),
         report.reference.label
     );
@@ -52,7 +50,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
 pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
     let report: SizeStudy = read(&dir.join("sizes.json"))?;
     let columns =
-        ["pad", "nodes", "unknowns", "ms an iteration", "iterations a frame", "s a frame", "processor s", "MB"];
+        ["pad", "nodes", "unknowns", "ms per iteration", "iterations per frame", "s per frame", "processor s", "MB"];
     let mut table = Table::new("Cost of a frame", &columns);
     for s in &report.sizes {
         table.rows.push(vec![
@@ -68,7 +66,7 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
     }
     let power = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.2}"));
     let lead = format!(
-        "Fitted power of the unknowns: {} for an iteration, {} for a frame, {} for the memory ({}).",
+        "Fitted exponent of the number of unknowns: {} for an iteration, {} for a frame, {} for the memory ({}).",
         power(report.iteration_exponent),
         power(report.frame_exponent),
         power(report.memory_exponent),
@@ -79,9 +77,19 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
 }
 
 fn points(report: &BenchReport) -> Table {
-    let columns =
-        ["setting", "nodes", "s a grasp", "processor s", "displacement %", "stress %", "force %", "travel %", "MB", ""];
-    let mut table = Table::new("Every setting", &columns);
+    let columns = [
+        "setting",
+        "nodes",
+        "s per grasp",
+        "processor s",
+        "displacement %",
+        "stress %",
+        "force %",
+        "travel %",
+        "MB",
+        "",
+    ];
+    let mut table = Table::new("All settings", &columns);
     table.note = "Displacement and stress: median / 90th percentile / worst over grasps and frames; force and travel: \
                   median. The reference's own errors are estimates."
         .into();
@@ -121,7 +129,7 @@ fn remark(p: &Point) -> String {
 
 /// Returns the table of the time fraction of each stage.
 fn stages(report: &BenchReport) -> Table {
-    let mut table = Table::new("Where the time goes", &["setting", "iterations a frame", "share of the stages"]);
+    let mut table = Table::new("Time by stage", &["setting", "iterations per frame", "fraction of each stage"]);
     table.folded = true;
     for p in report.points.iter().chain([&report.reference]) {
         let mut stages: Vec<_> = p.profile.iter().collect();

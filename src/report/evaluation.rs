@@ -72,7 +72,7 @@ pub fn data_set(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<(
 fn objects(set: &DataSet) -> Table {
     let mut table = Table::new(
         "Objects",
-        &["object", "grasps", "reached", "dropped", "fault", "infeasible", "nodes of a pad", "tetrahedra"],
+        &["object", "grasps", "reached", "dropped", "fault", "infeasible", "nodes per pad", "tetrahedra"],
     );
     table.folded = true;
     for o in &set.manifest.objects {
@@ -125,7 +125,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         let own = &predictor.card.split;
         notes.push(PageBlock::Note(format!(
-            "It was trained on split {own} of this data set: {split} may hold grasps it has seen."
+            "It was trained on split {own} of this data set; {split} may contain grasps of its training data."
         )));
     }
     let note =
@@ -137,9 +137,9 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
     };
     notes.extend([
         PageBlock::Chart(by_object(&table)),
-        by("Error by object, in numbers", "object "),
+        by("Error by object, table", "object "),
         PageBlock::Chart(by_force(set, &table, &judged)),
-        PageBlock::Table(errors("Error by part of the load", &table, "load ")),
+        PageBlock::Table(errors("Error by fraction of the load", &table, "load ")),
         PageBlock::Table(worst(&ranked)),
     ]);
     Ok(notes)
@@ -170,7 +170,7 @@ fn example_ranks(count: usize, wanted: usize) -> Vec<(usize, String)> {
 }
 
 fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, most: usize) -> Result<Recording> {
-    let missing = || Error::Start("a judged grasp is not in the data set".into());
+    let missing = || Error::Start("an evaluated grasp is not in the data set".into());
     let error = judged.frames.last().ok_or_else(missing)?;
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let grasp = file.grasp(error.grasp)?;
@@ -264,7 +264,7 @@ fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[Judged]) -> Chart {
 
 fn worst(ranked: &[&Judged]) -> Table {
     let columns = ["object", "grasp", "displacement, %", "stress, %", "contact force, %", "travel, %", "largest, mm"];
-    let mut table = Table::new("Every test grasp under its full load, the worst first", &columns);
+    let mut table = Table::new("All test grasps at full load, worst first", &columns);
     table.folded = true;
     for f in ranked.iter().rev().filter_map(|j| j.frames.last()) {
         let percent = [f.displacement, f.stress, f.contact_force, f.travel].map(|v| format!("{:.1}", 100.0 * v));

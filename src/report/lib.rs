@@ -38,7 +38,7 @@ pub fn report(dirs: &[PathBuf], wishes: &ReportOptions) -> Result<Page> {
     if let Some(model) = &wishes.model
         && !found.iter().any(|source| matches!(source, Source::Data(_)))
     {
-        let message = "is to be judged on a data set, and none of the folders holds one";
+        let message = "needs a data set for its evaluation, and none of the folders contains one";
         return Err(Error::file(model, message));
     }
     let mut page = Page::default();

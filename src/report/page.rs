@@ -132,8 +132,8 @@ impl Page {
         let data =
             serde_json::to_string(&data).map_err(|e| Error::Start(format!("the page cannot be written: {e}")))?;
         let (connect, live, end) = match state {
-            None => ("", "", "This file holds all it needs; nothing is loaded from elsewhere."),
-            Some(_) => ("; connect-src 'self'", LIVE, "It asks this machine for news, and nothing else."),
+            None => ("", "", "This file is self-contained; nothing is loaded from other sources."),
+            Some(_) => ("; connect-src 'self'", LIVE, "It requests updates only from this machine."),
         };
         let parts = [
             ("style", STYLE.to_string()),

@@ -63,8 +63,8 @@ pub fn sources(dir: &Path) -> Result<Vec<Source>> {
     folders.sort();
     let found: Vec<Source> = folders.iter().flat_map(|folder| in_folder(folder)).collect();
     if found.is_empty() {
-        let message = "holds no results; a report is of a folder that `tactus run`, `dataset`, `train` or `bench` wrote with -o \
-                       (run.json, manifest.json, curves.csv, bench.json or sizes.json in it)";
+        let message = "contains no results; a report needs a folder that `tactus run`, `dataset`, `train` or `bench` \
+            wrote with -o (run.json, manifest.json, curves.csv, bench.json or sizes.json in it)";
         return Err(Error::file(dir, message));
     }
     Ok(found)

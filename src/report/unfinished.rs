@@ -31,7 +31,7 @@ pub fn unfinished(dir: &Path, manifest: &Manifest, wishes: &ReportOptions, page:
     }
     let mut blocks = vec![PageBlock::Table(table)];
     if wishes.model.is_some() {
-        blocks.push(PageBlock::Note("The network is judged once the data set is finished.".into()));
+        blocks.push(PageBlock::Note("The network is evaluated once the data set is finished.".into()));
     }
     let all = counted(manifest.grasps, "grasp");
     let lead = format!("{} The data set is not finished: so far {ended} of {all} ended.", manifest.about);

@@ -42,10 +42,13 @@ pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
             return refuse("universe", "a universe and objects are both given\ngive one of them");
         }
         if !matches!(part.loading, Some(Loading::Squeeze(_)) | None) {
-            return refuse("loading", "a universe draws forces\nallowed: Squeeze(force: ..., frames: ...)");
+            return refuse(
+                "loading",
+                "a universe samples the force of a squeeze\nallowed: Squeeze(force: ..., frames: ...)",
+            );
         }
         if part.gripper.as_ref().is_some_and(|gripper| gripper.right.is_some()) {
-            return refuse("gripper.right", "a universe draws pads that are alike\nleave it out");
+            return refuse("gripper.right", "a universe needs two identical pads\nleave it out");
         }
         return universe.problem().map_or(Ok(()), |(path, message)| refuse(path, message));
     }
@@ -62,7 +65,7 @@ pub(super) fn objects(part: &ScenePart, shared: usize) -> Result<(), Problem> {
     }
     if shared.saturating_mul(objects.len()) > SHARED {
         let message = format!(
-            "{} objects that share {shared} bytes of scene are more than fits\n\
+            "{} objects with {shared} bytes of common scene text exceed the limit\n\
              put long lists into files, or the objects into several scenes",
             objects.len()
         );
@@ -84,13 +87,13 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
     if scene.object.repair && !matches!(scene.object.shape, ObjectShape::Mesh(_)) {
         return refuse(
             "object.repair",
-            "only the surface of a file is repaired\nleave it out, or give `shape: Mesh(\"file\")`",
+            "only a surface from a file can be repaired\nleave it out, or give `shape: Mesh(\"file\")`",
         );
     }
     gripper(scene)?;
     if scene.finer_mesh().is_some() && [0, 1].iter().any(|side| matches!(scene.gripper.like(*side).pads, Pads::File(_)))
     {
-        return refuse("stepper.mesh", "pads of a file have no other mesh than theirs\nleave it out");
+        return refuse("stepper.mesh", "the mesh of a pad from a file is fixed\nleave it out");
     }
     grasps(&scene.grasps)?;
     loading(scene)?;
@@ -124,7 +127,7 @@ fn shape(shape: &ObjectShape) -> Result<(), Problem> {
         }
         refuse(
             "object.shape.edge_radius",
-            format!("edge radius {} m does not fit\nallowed here: at most {}", shown(edge), shown(most)),
+            format!("edge radius {} m is too large\nallowed here: at most {}", shown(edge), shown(most)),
         )
     };
     match shape {
@@ -135,7 +138,7 @@ fn shape(shape: &ObjectShape) -> Result<(), Problem> {
         ),
         ObjectShape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
             "object.shape.wall",
-            format!("wall {} m leaves no hollow\nallowed: below radius and height", shown(c.wall.get())),
+            format!("wall {} m leaves no cavity\nallowed: below radius and height", shown(c.wall.get())),
         ),
         ObjectShape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => refuse(
             "object.shape.bend_deg",
@@ -198,7 +201,7 @@ fn gripper(scene: &Scene) -> Result<(), Problem> {
     if !gripper.alike() && !scene.record.tactile.is_empty() {
         return refuse(
             "record.tactile",
-            "tactile images are of two pads that are alike\nleave it out, or `right` in gripper",
+            "tactile images need two identical pads\nleave it out, or leave out `right` in gripper",
         );
     }
     Ok(())
@@ -241,13 +244,14 @@ fn pads(pads: &Pads, at: &str) -> Result<(), Problem> {
 fn grasps(grasps: &Grasps) -> Result<(), Problem> {
     match grasps {
         Grasps::List(poses) if poses.is_empty() => {
-            refuse("grasps", "an empty list of grasps\nleave `grasps` out for one at the identity")
+            refuse("grasps", "an empty list of grasps\nleave `grasps` out for one grasp at the identity pose")
         }
         Grasps::List(poses) => match poses.iter().position(|p| p.position.is_some() == p.centre.is_some()) {
             Some(i) => refuse(
                 format!("grasps[{i}]"),
-                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, and not both\n\
-                 `centre: (0, 0, 0)` puts the origin of the object between the pads, however the hand is turned",
+                "a pose needs `position`, the origin of the hand, or `centre`, the point midway between the pads, but \
+                 not both\n`centre: (0, 0, 0)` places the origin of the object between the pads for any rotation of \
+                 the hand",
             ),
             None => Ok(()),
         },
@@ -256,7 +260,7 @@ fn grasps(grasps: &Grasps) -> Result<(), Problem> {
         }
         Grasps::File(f) if !f.convention.is_right_angled() => refuse(
             "grasps.convention",
-            "closing and approach lie along one axis\nthey are perpendicular, such as X and Z",
+            "closing and approach are along the same axis\nthey must be perpendicular, such as X and Z",
         ),
         _ => Ok(()),
     }
@@ -268,25 +272,25 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
         return Ok(());
     }
     if scene.gripper.fingers == Fingers::None {
-        return refuse("gripper.fingers", "nothing to load without fingers\nuse Both or One, or loading: Dynamic");
+        return refuse("gripper.fingers", "this loading needs fingers\nuse Both or One, or loading: Dynamic");
     }
     if scene.gripper.fingers == Fingers::One && scene.object.motion == ObjectMotion::Free {
         return refuse(
             "gripper.fingers",
-            "one finger only pushes a free object away\nuse motion: Fixed in object, or fingers: Both",
+            "one finger cannot hold a free object\nuse motion: Fixed in object, or fingers: Both",
         );
     }
     let press = match &scene.loading {
         Loading::Press(press) => press,
         Loading::Squeeze(s) if s.release.is_some_and(|release| release.get() > s.force.get()) => {
             let message =
-                format!("the object would never be let go\nallowed: at most force, {} N", shown(s.force.get()));
+                format!("the object would never be released\nallowed: at most force, {} N", shown(s.force.get()));
             return refuse("loading.release", message);
         }
         Loading::Squeeze(Squeeze { push: Some(_), .. }) if scene.object.motion == ObjectMotion::Fixed => {
             return refuse(
                 "loading.push",
-                "a fixed object does not feel a push\nuse motion: Free in object, or leave it out",
+                "a push has no effect on a fixed object\nuse motion: Free in object, or leave it out",
             );
         }
         Loading::Squeeze(Squeeze { push: Some(push), .. })
@@ -314,7 +318,7 @@ fn loading(scene: &Scene) -> Result<(), Problem> {
         (None, None) => refuse("loading", "a press needs `depth` or `depths`"),
         (Some(_), Some(_)) => refuse("loading.depths", "depth and depths are both given\ngive one of them"),
         (None, Some(_)) if press.frames.is_some() => {
-            refuse("loading.frames", "`depths` already says which frames there are\nuse `depth` with `frames`")
+            refuse("loading.frames", "`depths` already defines the frames\nuse `depth` with `frames`")
         }
         (None, Some(depths)) if depths.is_empty() => refuse("loading.depths", "an empty list of depths"),
         (None, Some(depths)) if depths.len() > DEPTHS => {
@@ -346,39 +350,32 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
             ("object.spin", scene.object.spin.is_some()),
         ];
         if let Some((path, _)) = moving.into_iter().find(|(_, given)| *given) {
-            return refuse(path, "only a scene that moves in time has this\nuse loading: Dynamic(motions: [...])");
+            return refuse(path, "only a dynamic scene has this field\nuse loading: Dynamic(motions: [...])");
         }
         return Ok(());
     };
     if let StepperChoice::Fem(Fem { solver: Solver::Condensed(_), .. }) = scene.stepper {
-        return refuse(
-            "stepper.solver",
-            "condensed pads have no inertia\nuse solver: Full in a scene that moves in time",
-        );
+        return refuse("stepper.solver", "condensed pads have no inertia\nuse solver: Full in a dynamic scene");
     }
     let moves = scene.object.velocity.is_some() || scene.object.spin.is_some();
     if moves && scene.object.motion == ObjectMotion::Fixed {
         return refuse("object.motion", "a fixed object has neither velocity nor spin");
     }
     if dynamic.motions.is_empty() {
-        return refuse(
-            "loading.motions",
-            "no motion, so no time passes\nHold(duration: 0.5) does nothing for half a second",
-        );
+        return refuse("loading.motions", "an empty list of motions\nHold(duration: 0.5) waits for half a second");
     }
     let no_gravity = scene.gravity.is_none_or(|g| g.dvec3() == glam::DVec3::ZERO);
     for (i, motion) in dynamic.motions.iter().enumerate() {
         if motion.play().duration() == 0.0 {
-            return refuse(format!("loading.motions[{i}]"), "repeats no motion");
+            return refuse(format!("loading.motions[{i}]"), "repeats an empty list of motions");
         }
         if motion.play().needs_gravity() && no_gravity {
-            let message =
-                "a lift goes against gravity, and the scene has none\nset gravity, or use Move(by: (x, y, z), ...)";
+            let message = "a lift needs gravity, and the scene has none\nset gravity, or use Move(by: (x, y, z), ...)";
             return refuse(format!("loading.motions[{i}]"), message);
         }
     }
     if scene.gripper.fingers == Fingers::None && !motion::squeezes(&dynamic.motions).is_empty() {
-        return refuse("loading.motions", "nothing closes without fingers\nuse fingers: Both in gripper");
+        return refuse("loading.motions", "this motion needs fingers\nuse fingers: Both in gripper");
     }
     Ok(())
 }
@@ -387,7 +384,9 @@ fn dynamic(scene: &Scene) -> Result<(), Problem> {
 fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
     match (&scene.loading, expectation) {
         (Loading::Dynamic(_), Expectation::Converged(_)) => {
-            return Err("Converged judges forces without inertia\nuse ForceBalance(relative: ...) in a scene that moves in time".into());
+            return Err(
+                "Converged checks forces without inertia\nuse ForceBalance(relative: ...) in a dynamic scene".into()
+            );
         }
         (Loading::Squeeze(_) | Loading::Press(_), e) if e.is_dynamic() => {
             return Err(format!("{} needs loading: Dynamic(motions: [...])", e.name()));
@@ -408,7 +407,7 @@ fn expectation(scene: &Scene, expectation: &Expectation) -> Result<(), String> {
     match (at_least, at_most) {
         (None, None) => Err(format!("{} needs at_least, at_most or both", expectation.name())),
         (Some(low), Some(high)) if low.get() > high.get() => {
-            Err("at_least is above at_most: nothing can hold that".into())
+            Err("at_least is above at_most: no value satisfies both".into())
         }
         _ => Ok(()),
     }

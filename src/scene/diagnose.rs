@@ -21,7 +21,7 @@ pub(super) struct Diagnosis {
 /// Fields of former versions, and their replacements.
 const RENAMED_FIELDS: [(&str, &str); 1] = [(
     "attach_distance",
-    "of version 0.1; now the rule `bonded`: write `bonded: Plane(within: ...)` with the same distance",
+    "a field of version 0.1, replaced by the rule `bonded`: write `bonded: Plane(within: ...)` with the same distance",
 )];
 
 /// Longest message, bytes: a message may quote a word of the scene, which may be as long as the file.
@@ -111,7 +111,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
         Ron::ExpectedComma => {
             let after_digit = text[..end].trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
             let unit = after_digit && token(text, end).starts_with(char::is_alphabetic);
-            let help = if unit { "\nnumbers carry no unit: all are in SI (m, N, Pa, kg, s)" } else { "" };
+            let help = if unit { "\nnumbers have no unit: all are in SI (m, N, Pa, kg, s)" } else { "" };
             (format!("expected `,` before {}{help}", found()), here)
         }
         Ron::ExpectedFloat => (named(&format!("expected a number, found {}", found()), end, text, outline), here),
@@ -122,7 +122,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             (named(&format!("expected `true` or `false`, found {}", found()), end, text, outline), here)
         }
         Ron::ExpectedString => {
-            (named(&format!("expected a text in double quotes, found {}", found()), end, text, outline), here)
+            (named(&format!("expected a string in double quotes, found {}", found()), end, text, outline), here)
         }
         Ron::ExpectedArray => (named(&format!("expected a list `[...]`, found {}", found()), end, text, outline), here),
         Ron::ExpectedIdentifier => (named(&format!("expected a name, found {}", found()), end, text, outline), here),
@@ -140,7 +140,7 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             (format!("expected `{expected}(...)`, found `{found}`"), refused)
         }
         Ron::ExceededRecursionLimit => ("brackets are nested too deeply".to_string(), here),
-        Ron::TrailingCharacters => ("there is more text after the end of the scene".to_string(), here),
+        Ron::TrailingCharacters => ("unexpected text after the end of the scene".to_string(), here),
         other => (named(&lower(&other.to_string()), end, text, outline), here),
     };
     Diagnosis::new(&message, span)
@@ -170,7 +170,8 @@ fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     let path = outline.path(around);
     let (owner, key) = path.rsplit_once('.').unwrap_or(("the scene", &path));
     Some(format!(
-        "{path}: `{name}(...)` holds one value and no field `{}`\nfields of {owner} stand beside `{key}`: `{key}: {name}(...), {0}: ...`",
+        "{path}: `{name}(...)` takes one value and has no field `{}`\nfields of {owner} are written next to `{key}`: \
+         `{key}: {name}(...), {0}: ...`",
         clipped(field)
     ))
 }

@@ -32,7 +32,7 @@ pub fn to_ron(scene: &Scene) -> Result<String> {
 /// # Errors
 /// Fails if the text is not a complete scene.
 pub fn from_ron(text: &str) -> Result<Scene> {
-    complete(options().from_str(text).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
+    complete(options().from_str(text).map_err(|e| Error::Scene(format!("error: not a scene: {e}")))?)
 }
 
 /// Reads the scene of a `run.json`; its paths are not resolved.
@@ -40,13 +40,13 @@ pub fn from_ron(text: &str) -> Result<Scene> {
 /// # Errors
 /// Fails if the value is not a complete scene.
 pub fn from_json(value: &serde_json::Value) -> Result<Scene> {
-    complete(ScenePart::deserialize(value).map_err(|e| Error::Scene(format!("error: no scene: {e}")))?)
+    complete(ScenePart::deserialize(value).map_err(|e| Error::Scene(format!("error: not a scene: {e}")))?)
 }
 
 fn complete(part: ScenePart) -> Result<Scene> {
     let mut scenes = part
         .complete(&Name::near("scene"))
-        .map_err(|field| Error::Scene(format!("error: no complete scene: missing field `{field}`")))?;
+        .map_err(|field| Error::Scene(format!("error: incomplete scene: missing field `{field}`")))?;
     scenes.iter().try_for_each(|named| recheck(&named.scene))?;
     Ok(scenes.swap_remove(0).scene)
 }

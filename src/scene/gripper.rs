@@ -123,7 +123,7 @@ impl Gripper {
     /// # Errors
     /// Fails if they differ.
     pub fn needs_alike(&self, what: &str) -> Result<(), Error> {
-        let refused = || Error::Start(format!("{what} takes two pads that are alike; leave `right` out"));
+        let refused = || Error::Start(format!("{what} needs two identical pads; leave `right` out"));
         if self.alike() { Ok(()) } else { Err(refused().about("gripper.right")) }
     }
 

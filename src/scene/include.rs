@@ -74,12 +74,14 @@ impl Loader {
 fn read_part(source: &SceneText) -> Result<ScenePart> {
     let outline = Outline::of(&source.text);
     if outline.is_empty() {
-        let message = "the scene is empty\na smallest scene: (object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15))";
+        let message =
+            "the scene is empty\na minimal scene: (object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15))";
         return Err(source.error(&Diagnosis::new(message, 0..0)));
     }
     if outline.is_full() {
         let message = format!(
-            "the scene holds more than {VALUE_LIMIT} values, the limit for a scene file\nlong lists of grasps go into a file: grasps: File(\"x_grasps.h5\")"
+            "the scene contains more than {VALUE_LIMIT} values, the limit for a scene file\nput long lists of grasps \
+             into a file: grasps: File(\"x_grasps.h5\")"
         );
         return Err(source.error(&Diagnosis::new(&message, 0..0)));
     }

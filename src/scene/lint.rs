@@ -40,7 +40,10 @@ fn rotation(
 /// Checks the range of a selection: RON reads `0..=9` and `0..9` as the same pair of numbers.
 fn select(text: &str, outline: &Outline, entry: &OutlineEntry) -> Result<(), Diagnosis> {
     if text[entry.value.clone()].contains("..=") {
-        let message = format!("{}: a range here has no `=`\nwrite 0..10 for rows 0 to 9", outline.path(entry));
+        let message = format!(
+            "{}: an inclusive range (`=`) is not supported here\nwrite 0..10 for rows 0 to 9",
+            outline.path(entry)
+        );
         return Err(Diagnosis::new(&message, entry.value.clone()));
     }
     Ok(())

@@ -149,7 +149,7 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
     match (seed, &mut part.universe) {
         (Some(seed), Some(universe)) => universe.seed = seed,
         (Some(_), None) => {
-            return Err(Error::Argument("--seed is for a scene with a universe; this one draws nothing".into()));
+            return Err(Error::Argument("--seed is allowed only for a scene with a universe".into()));
         }
         (None, _) => {}
     }

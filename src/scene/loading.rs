@@ -125,7 +125,7 @@ impl Loading {
         let force = Positive::new(force).map_err(|m| format!("--force {m}"))?;
         match self {
             Loading::Squeeze(squeeze) => squeeze.force = force,
-            Loading::Press(_) | Loading::Dynamic(_) => return Err("--force is for a squeeze".into()),
+            Loading::Press(_) | Loading::Dynamic(_) => return Err("--force is allowed only for a squeeze".into()),
         }
         Ok(())
     }
@@ -139,7 +139,7 @@ impl Loading {
         match self {
             Loading::Squeeze(squeeze) => squeeze.frames = frames,
             Loading::Press(press) if press.depths.is_some() => {
-                return Err("--frames does not go with a press at given `depths`".into());
+                return Err("--frames is not allowed for a press with `depths`".into());
             }
             Loading::Press(press) => press.frames = Some(frames),
             Loading::Dynamic(dynamic) => dynamic.frames = frames,

@@ -48,7 +48,9 @@ impl Name {
         if (1..=64).contains(&name.len()) && name.chars().all(fits) && !name.starts_with('-') {
             return Ok(Self(name.into()));
         }
-        Err(format!("{name:?} cannot name an object\nallowed: 1 to 64 letters, digits and `-` (no `_`, no blank)"))
+        Err(format!(
+            "{name:?} is not a valid name of an object\nallowed: 1 to 64 letters, digits and `-` (no `_`, no space)"
+        ))
     }
 
     /// Returns an allowed name similar to `text`: every character that is not allowed becomes `-`.

@@ -39,7 +39,7 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     let field = |message: String| Some(("record.tactile".to_string(), message));
     if let Some(other) = tactile.iter().find(|observe| !observe.is_tactile()) {
         return field(format!(
-            "`{}` is none of a tactile sensor\nruns and data sets have such numbers anyway",
+            "`{}` is not an observation of a tactile sensor\nruns and data sets contain such values in any case",
             other.name()
         ));
     }
@@ -47,7 +47,7 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
         return field("two observations have the same name".into());
     }
     (!tactile.is_empty() && scene.gripper.fingers == Fingers::None)
-        .then(|| ("record.tactile".into(), "the scene has no pads that see anything\nuse fingers: Both".into()))
+        .then(|| ("record.tactile".into(), "the scene has no pads with tactile observations\nuse fingers: Both".into()))
 }
 
 /// Recorded field.

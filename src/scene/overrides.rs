@@ -93,7 +93,9 @@ impl Overrides {
                 gnn.model.clone_from(model);
                 Ok(())
             }
-            (Some(_), StepperChoice::Fem(_)) => Err(refused("--model is for a network; add --backend gnn")),
+            (Some(_), StepperChoice::Fem(_)) => {
+                Err(refused("--model is allowed only for a network; add --backend gnn"))
+            }
         }
     }
 
@@ -108,7 +110,7 @@ impl Overrides {
                 Ok(())
             }
             StepperChoice::Fem(_) if self.error_at_most.is_some() || self.extrapolate => {
-                Err(refused("--error-at-most and --extrapolate are for a network; add --backend gnn"))
+                Err(refused("--error-at-most and --extrapolate are allowed only for a network; add --backend gnn"))
             }
             StepperChoice::Fem(_) => Ok(()),
         }
@@ -125,7 +127,9 @@ pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     match stepper {
         StepperChoice::Fem(fem) => fem.max_time = Some(seconds),
         StepperChoice::Gnn(_) => {
-            return Err(refused("--max-time is for finite elements: a network takes the same time for every grasp"));
+            return Err(refused(
+                "--max-time is allowed only for finite elements: a network takes the same time for every grasp",
+            ));
         }
     }
     Ok(())

@@ -22,9 +22,10 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
                 Some(kind) => Err((field, format!("{} is {kind}, not a file", path.display()))),
                 None => Ok(()),
             },
-            Err(_) => {
-                Err((field, format!("no file at {}\npaths start at the folder of the scene file", path.display())))
-            }
+            Err(_) => Err((
+                field,
+                format!("no file at {}\npaths are relative to the folder of the scene file", path.display()),
+            )),
         }
     };
     let object = |object: &mut Object, field: &str| match &mut object.shape {
@@ -58,7 +59,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
         };
         let twice = |names: &[&str]| match names.iter().find(given) {
             Some(name) => {
-                let message = format!("the robot says what the {name} is; leave one of them out");
+                let message = format!("the {name} is already defined by the robot; leave one of them out");
                 Err((format!("{field}.{name}"), message))
             }
             None => Ok(()),

@@ -31,7 +31,7 @@ impl Rotation {
         }
         if longest < 1e-9 {
             return Err(
-                "a quaternion of length zero is no rotation\nno rotation is (1, 0, 0, 0): the order is (w, x, y, z)"
+                "a quaternion of length zero is not a rotation\nthe identity is (1, 0, 0, 0): the order is (w, x, y, z)"
                     .into(),
             );
         }

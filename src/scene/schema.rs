@@ -61,7 +61,7 @@ impl Scene {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => "expect",
             (StepperChoice::Gnn(_), Some(_)) => "expect_network",
-            (StepperChoice::Gnn(_), None) => "expect, what a network keeps by its making",
+            (StepperChoice::Gnn(_), None) => "expect, without those that a network satisfies by construction",
         }
     }
 

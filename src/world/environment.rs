@@ -32,7 +32,7 @@ impl Environment {
         stepper.prepare(&mut world)?;
         stepper.register(&mut schedule, &mut world, model);
         schedule.initialize(&mut world).map_err(|e| {
-            Error::Start(format!("the schedule of a step is not sound: {}", e.to_string(schedule.graph(), &world)))
+            Error::Start(format!("the schedule of a step is invalid: {}", e.to_string(schedule.graph(), &world)))
         })?;
         Ok(Self { world, schedule })
     }

@@ -87,7 +87,7 @@ impl ColumnVisitor for Reader<'_, '_> {
         let mut query = self.world.query::<&mut C>();
         if query.iter(self.world).count() != values.len() {
             return Err(Error::Start(
-                "the saved state has another number of nodes, edges or fingers than the scene".into(),
+                "the number of nodes, edges or fingers of the saved state differs from that of the scene".into(),
             ));
         }
         query.iter_mut(self.world).zip(values).for_each(|(mut own, value)| *own = value);

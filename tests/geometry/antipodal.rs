@@ -82,7 +82,7 @@ fn rejections_are_counted_and_named() {
     let Grasps::Antipodal(wanted) = &tube.grasps else { unreachable!() };
     let sampled = sample_of(&tube, wanted).unwrap();
     assert_eq!(sampled.poses.len() + sampled.rejected.iter().sum::<usize>(), sampled.tries);
-    assert!(sampled.report().contains("behind another part of the object"), "{}", sampled.report());
+    assert!(sampled.report().contains("occluded by another part of the object"), "{}", sampled.report());
     assert_eq!(grasps_of(&tube).unwrap().notices, [sampled.report()]);
 }
 
@@ -94,7 +94,7 @@ fn an_object_that_does_not_fit_says_why() {
     let text = refused("Sphere(radius: 0.02)", "stroke: 0.01");
     assert!(text.contains("out of the fingers' stroke"), "{text}");
     let text = refused("Revolve(profile: [(0, -0.02), (0.02, 0.02), (0, 0.02)])", "friction: 0.1");
-    assert!(text.contains("opposite normal outside the cone"), "{text}");
+    assert!(text.contains("opposite normal outside the friction cone"), "{text}");
 }
 
 #[test]

@@ -90,11 +90,11 @@ fn gmsh_files() {
     refused("i.msh", short, &["line 8, column 3: node coordinates has 2 columns"]);
     let extra = format!("{v4}$Nodes\n0 0 0 0\n5 5 5\n$EndNodes\n");
     let fewer = format!("{v4}$Nodes\n1 2 1 2\n3 0 0 1\n1\n0 0 0\n$EndNodes\n");
-    refused("m.msh", fewer, &["line 5, column 3: 2 nodes declared, but the blocks hold 1"]);
+    refused("m.msh", fewer, &["line 5, column 3: 2 nodes declared, but the blocks contain 1"]);
     // The header declares nine elements more than the file has, as in a truncated or edited file.
     let tetrahedron = "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n";
     let nine = format!("{v4}{tetrahedron}1 10 1 10\n3 1 4 1\n1 1 2 3 4\n$EndElements\n");
-    refused("n.msh", nine, &["line 17, column 3: 10 elements declared, but the blocks hold 1"]);
+    refused("n.msh", nine, &["line 17, column 3: 10 elements declared, but the blocks contain 1"]);
     refused("j.msh", extra, &["line 6, column 1: expected `$EndNodes`"]);
     refused("k.msh", "hello\n", &["line 1, column 1: expected a section", "`hello`"]);
     refused("l.msh", "", &["no `$MeshFormat` section"]);
@@ -143,7 +143,7 @@ fn missing_files_folders_and_unknown_types() {
     let dir = tempfile::tempdir().expect("temporary folder");
     let message = |p: PathBuf| io::read_tet_mesh(p).expect_err("must be refused").to_string();
     assert!(message(dir.path().join("none.tet")).contains("cannot be read"));
-    assert!(message(dir.path().join("pad.xyz")).contains("`.xyz` is not read here; allowed: .tet"));
+    assert!(message(dir.path().join("pad.xyz")).contains("`.xyz` is not supported here; allowed: .tet"));
     assert!(message(dir.path().join("pad")).contains("file type `.`"));
     fs::create_dir(dir.path().join("folder.tet")).expect("folder");
     assert!(message(dir.path().join("folder.tet")).contains("not a regular file"));

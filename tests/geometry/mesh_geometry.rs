@@ -82,7 +82,7 @@ fn repair_tells_what_it_changed() {
     let fixed = clean::repair_mapped(&mut mesh).expect("repairable");
     assert_eq!(fixed.node_map, [Some(0), Some(1), Some(2), Some(3), Some(0), None, Some(4)]);
     assert_eq!((mesh.nodes.len(), mesh.tets[1]), (5, [0, 1, 4, 2]));
-    let expected = ["welded 1 duplicate node (", "removed 1 node that", "turned 1 of 2 tetrahedra"];
+    let expected = ["welded 1 duplicate node (", "removed 1 node that", "reoriented 1 of 2 tetrahedra"];
     assert_eq!(fixed.notices.len(), 3);
     assert!(fixed.notices.iter().zip(expected).all(|(n, e)| n.starts_with(e)), "{:?}", fixed.notices);
     assert_eq!(surface::boundary(&mesh).len(), 6, "the two share the welded face");

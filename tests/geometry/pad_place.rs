@@ -56,16 +56,16 @@ fn any_outward_direction_gives_a_right_handed_frame() {
 #[test]
 fn unusable_placements_are_refused() {
     let message = |p: PadPlacement| pad::from_mesh(small().mesh, &p).expect_err("refused").to_string();
-    assert!(message(placement(DVec3::Z, 1.0)).contains("all 45 nodes of the pad are glued"));
+    assert!(message(placement(DVec3::Z, 1.0)).contains("all 45 nodes of the pad are bonded"));
     assert!(message(placement(DVec3::Z, f64::NAN)).contains("attach distance is NaN"));
     assert!(message(placement(DVec3::ZERO, 0.0)).contains("must be a unit vector"));
     assert!(message(placement(DVec3::NAN, 0.0)).contains("must be a unit vector"));
     let along = PadPlacement { across: Some(DVec3::Z), ..placement(DVec3::Z, 0.0) };
     assert!(message(along).contains("along outward"));
     let nodes = |list: Vec<usize>| PadPlacement { bonding: Bonding::Nodes(list), ..placement(DVec3::Z, 0.0) };
-    assert!(message(nodes(vec![])).contains("no node of the pad is glued"));
+    assert!(message(nodes(vec![])).contains("no node of the pad is bonded"));
     assert!(message(nodes(vec![45])).contains("allowed: 0..=44"));
-    assert!(message(nodes((30..45).collect())).contains("no free face of the pad looks along outward"));
+    assert!(message(nodes((30..45).collect())).contains("no free face of the pad faces along outward"));
     assert!(pad::from_mesh(TetMesh::default(), &placement(DVec3::Z, 0.0)).is_err());
 }
 
@@ -92,7 +92,7 @@ fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
     let beside = [corner, corner + millimetre(0), corner + millimetre(1), corner + millimetre(2)];
     // A tetrahedron apart from the pad, one attached at a corner, and one attached along an edge.
     let loose = with(&beside.map(|p| p + 0.01), &[[n, n + 1, n + 2, n + 3]]);
-    refused(loose, back(), &["a part of 1 tetrahedron of 97 about", "shares no node"]);
+    refused(loose, back(), &["a part of 1 tetrahedron of 97 about", "is not connected to the finger"]);
     let hung = with(&beside[1..], &[[n - 1, n, n + 1, n + 2]]);
     refused(hung, back(), &["a part of 1 tetrahedron of 97 about", "is held at one node"]);
     let hinged = with(&beside[2..], &[[n - 2, n - 1, n, n + 1]]);
@@ -109,7 +109,7 @@ fn every_part_of_a_pad_is_held_and_none_overlaps_another() {
         let nodes: Vec<DVec3> = pad.mesh.nodes.iter().map(|p| copy(*p)).collect();
         let tets: Vec<[u32; 4]> = pad.mesh.tets.iter().map(|t| t.map(|i| i + n)).collect();
         let both = pad.bonded.iter().chain(&pad.bonded).enumerate().filter(|(_, b)| **b).map(|(i, _)| i).collect();
-        refused(with(&nodes, &tets), Bonding::Nodes(both), &["the pad overlaps itself", "one copy"]);
+        refused(with(&nodes, &tets), Bonding::Nodes(both), &["the pad overlaps itself", "remove duplicates"]);
     }
 }
 
@@ -138,11 +138,11 @@ fn every_rule_bonds_the_back() {
     }
     let message = |rule: Bonding| bonded(rule).expect_err("refused").to_string();
     let far = message(Bonding::Surface { surface: plate, within: 0.5e-3 });
-    assert!(far.contains("of its 45 nodes the nearest is 0.001 m away from the surface"), "{far}");
+    assert!(far.contains("the nearest of its 45 nodes is 0.001 m from the surface"), "{far}");
     let far = message(plane(6e-3, 0.0));
-    assert!(far.contains("of its 45 nodes the nearest is 0.002 m away from the plane"), "{far}");
+    assert!(far.contains("the nearest of its 45 nodes is 0.002 m from the plane"), "{far}");
     let inside = message(Bonding::Surface { surface: slab, within: 0.0 });
-    assert!(inside.contains("all 45 nodes of the pad are glued"), "{inside}");
+    assert!(inside.contains("all 45 nodes of the pad are bonded"), "{inside}");
 }
 
 #[test]
@@ -157,9 +157,9 @@ fn lists_of_nodes_are_indices_or_a_mask() {
     assert_eq!(read("1\n0\n0\n1\n"), Ok(vec![0, 3]));
     let message = |text: &str| read(text).expect_err("refused");
     assert!(message("0\n4\n").contains("line 2, column 1: node index 4, but the mesh has 4 nodes; allowed: 0..=3"));
-    assert!(message("2 2\n").contains("line 1, column 3: node index 2 stands twice"));
+    assert!(message("2 2\n").contains("line 1, column 3: node index 2 occurs twice"));
     assert!(message("x\n").contains("line 1, column 1: node index `x`"));
-    assert!(message("").contains("the list of glued nodes is empty"));
+    assert!(message("").contains("the list of bonded nodes is empty"));
 }
 
 /// Node lists refer to the numbering of the file, also if repair removes or welds nodes.
@@ -174,7 +174,7 @@ fn lists_survive_the_repair_of_the_mesh() {
     assert!(notices[1].contains("the pad is 1 m long") && notices[1].contains("is it in mm?"), "{notices:?}");
     let listed = PadPlacement { bonding: Bonding::Nodes(vec![5]), ..placement(DVec3::Z, 0.0) };
     let message = pad::read_pad(&mesh, &listed, None).expect_err("refused").to_string();
-    assert!(message.contains("glued node index 5, but the mesh has 5 nodes; allowed: 0..=4"), "{message}");
+    assert!(message.contains("bonded node index 5, but the mesh has 5 nodes; allowed: 0..=4"), "{message}");
     let message = pad::read_pad(&mesh, &placement(DVec3::Z, 7.0), None).expect_err("refused").to_string();
     assert!(message.contains("m.tet: all 4 nodes"), "{message}");
 }

@@ -124,7 +124,7 @@ fn of_a_pad_from_a_file_a_bench_says_what_is_not_known() {
     assert!(report["reference_error"].as_f64().is_some(), "the path is known");
     assert!(report["ladder"]["errors"]["displacement"]["by_rungs"].is_null());
     let findings = report["ladder"]["findings"].as_array().unwrap();
-    assert!(findings.iter().any(|f| f.as_str().unwrap().contains("the pads have one mesh")), "{findings:?}");
+    assert!(findings.iter().any(|f| f.as_str().unwrap().contains("the pads have only one mesh")), "{findings:?}");
     assert!(report["points"].as_array().unwrap().iter().any(|p| p["label"].as_str().unwrap().starts_with("linear")));
 }
 
@@ -180,5 +180,5 @@ fn a_bench_of_a_task_reports_steps_a_second() {
 
     let none = tactus(&["bench", "scenes/quickstart.ron", "--envs", "2"]);
     assert_eq!(none.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&none.stderr).contains("--envs is for a scene with a task"));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("--envs needs a scene with a task"));
 }

@@ -67,7 +67,11 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
         loader_world(object);
     }
     let missed = set.objects[1].grasp(1).unwrap();
-    assert!(missed.frames == 0 && missed.reason.contains("meets nothing within its stroke"), "{}", missed.reason);
+    assert!(
+        missed.frames == 0 && missed.reason.contains("does not touch the object within its stroke"),
+        "{}",
+        missed.reason
+    );
     let all: usize = set.splits.poses.train.values().chain(set.splits.poses.test.values()).map(Vec::len).sum();
     assert_eq!(all, 6, "every pose is in one of the sets");
     let without = set.splits.without("box");
@@ -153,7 +157,7 @@ fn damage_is_named_and_the_rest_stays_usable() {
     let set = DataSet::open(tiny.out("out")).unwrap();
     assert_eq!(set.objects.len(), 1);
     let refused = set.damaged[0].to_string();
-    assert!(refused.contains("box_") && refused.contains("cut off"), "{refused}");
+    assert!(refused.contains("box_") && refused.contains("truncated"), "{refused}");
     let error = set.objects[0].grasp(1).unwrap_err().to_string();
     assert!(error.contains("ball_") && error.contains("grasp 1 is damaged"), "{error}");
     assert!(set.objects[0].grasp(0).is_ok() && set.objects[0].grasp(2).is_ok(), "the other grasps are read");
@@ -188,7 +192,7 @@ fn inspection_counts_and_draws() {
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 4, "grasps 0 and 2 of each object");
     let none = inspect(&[tiny.dir.path().to_str().unwrap()]);
     assert_eq!(none.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&none.stderr).contains("holds no data set"));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("contains no data set"));
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn threads_do_not_change_bytes_and_the_size_is_announced() {
     std::fs::write(&tiny.scene, TINY.replace("ELEMENT", "Linear").replace("force: 2.0", "force: 2.5")).unwrap();
     let other = tiny.command(&tiny.out("two")).output().unwrap();
     assert_eq!(other.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&other.stderr).contains("holds another data set"));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("contains another data set"));
 }
 
 /// Parts run concurrently, one of them is killed and restarted, and a last run finishes the data set.

@@ -84,7 +84,7 @@ fn every_file_holds_the_pads_and_the_loads_of_its_object() {
 fn ranges_that_do_not_fit_are_refused_at_their_place() {
     let dir = tempfile::tempdir().unwrap();
     for (universe, said) in [
-        ("friction: (1.0, 0.5)", "universe.friction: the first number is the least"),
+        ("friction: (1.0, 0.5)", "universe.friction: the first number is the minimum"),
         ("poisson: (0.3, 0.5)", "universe.poisson: a gel has a Poisson's ratio below 0.5"),
         ("heavy: 1.5", "universe.heavy: a part of the objects"),
         ("families: []", "universe.families: an empty list"),

@@ -216,7 +216,7 @@ fn a_bad_action_names_its_environment_and_changes_nothing(set: &[NamedScene]) {
     env.reset(None, None).unwrap();
     let error = env.step(&[0.0, f32::NAN, 0.0]).unwrap_err();
     assert_eq!(error.env, Some(1));
-    assert_eq!(error.to_string(), "environment 1: its action holds NaN; allowed: -1 to 1");
+    assert_eq!(error.to_string(), "environment 1: its action contains NaN; allowed: -1 to 1");
     assert!(env.step(&[0.0; 2]).unwrap_err().to_string().contains("2 numbers for 3 environments with 1 each"));
     let view = env.step(&actions(0, 3, 0)).unwrap();
     let after = [0, 1, 2].map(|i| bits(view, i));

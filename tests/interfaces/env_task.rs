@@ -19,9 +19,9 @@ fn mistakes_in_a_task_are_reported_in_place() {
     };
     let squeeze = "loading: Squeeze(force: 5),";
     let falling = refusal("force: (5, 1)", squeeze);
-    assert!(falling.contains("t.ron:2:") && falling.contains("the first number is the least"), "{falling}");
+    assert!(falling.contains("t.ron:2:") && falling.contains("the first number is the minimum"), "{falling}");
     assert!(refusal("force: (1, 2), start: 3", squeeze).contains("must lie within the allowed force, 1 to 2 N"));
-    assert!(refusal("observe: []", squeeze).contains("the agent sees nothing"));
+    assert!(refusal("observe: []", squeeze).contains("the agent has no observations"));
     assert!(refusal("observe: [Force, Force]", squeeze).contains("two observations have the same name"));
     assert!(refusal("gravity: (0, 0, inf)", squeeze).contains("finite"));
     assert!(refusal("", "loading: Squeeze(force: 5), gravity: (0, 0, -9.81),").contains("move `gravity` into `task`"));

@@ -118,7 +118,7 @@ fn a_scene_that_meets_its_table_has_nothing_to_explain() {
     curve.points.truncate(2);
     let report = fit(&scene(START), &curve, &Ranges::default(), 2, |_| ()).expect("fit");
     assert_eq!(report.explains, None);
-    assert!(report.text().contains("there is nothing to explain"));
+    assert!(report.text().contains("there is no deviation to explain"));
     // Two points allow no fit of all four constants and no interval of a pair.
     assert_eq!(report.fits.len(), 10);
     assert!(report.fits.iter().filter(|f| f.free.len() == 2 && f.freedom == 0).all(|f| f.free[0].interval.is_none()));
@@ -159,7 +159,7 @@ fn tables_that_are_none_are_refused_by_line() {
         (&format!("{head}5,1\n"), "curve.csv:4: ", "lengths are in metres"),
         (&format!("{head}0.5e-3,1\n"), "curve.csv:4: ", "depths must increase: 0.0005 m after 0.001 m"),
         (head, "curve.csv: ", "has 1 point; a fit needs at least 2"),
-        ("depth_m,force_n\n1e-3,1\n9e-3,2\n", "", "goes through the pad"),
+        ("depth_m,force_n\n1e-3,1\n9e-3,2\n", "", "exceeds the thickness of the pad"),
     ] {
         let error = refused(dir.path(), table, &[]);
         assert!(error.contains(place) && error.contains(says), "expected {place}{says} in\n{error}");
@@ -179,7 +179,7 @@ fn scenes_and_ranges_that_cannot_be_fitted_are_refused_in_words() {
         ("young=2e5", "is not NAME=LOW,HIGH"),
         ("young=0.2,0.5", "stiffness is in pascals"),
         ("poisson=0.4,0.5", "below 0.5"),
-        ("friction=0.5,0.1", "the first number is the least"),
+        ("friction=0.5,0.1", "the first number is the minimum"),
         ("young=4e5,5e5", "Young's modulus of the scene is 300000, outside its range of 400000 to 500000"),
     ] {
         let error = refused(dir.path(), table, &["--range", range]);

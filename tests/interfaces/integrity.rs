@@ -90,10 +90,10 @@ fn a_network_compares_the_pads_before_it_solves_for_them_and_names_both() {
     let refused = tactus(folder, &cache, &["run", "finer.ron", "--backend", "gnn", "--model", model]);
     let text = errors(&refused);
     assert_eq!(refused.status.code(), Some(2), "{text}");
-    assert!(text.contains("another mesh") && text.contains("trained was"), "{text}");
+    assert!(text.contains("another mesh") && text.contains("the training data have"), "{text}");
     assert_eq!(text.matches(" mm, spacing ").count(), 2, "what it met and what it knows: {text}");
     let known = Sensor::of(&set(made()).objects[0].pads[0]);
-    assert!(text.contains(&format!("3625 nodes; trained was {known}")), "{text}");
+    assert!(text.contains(&format!("3625 nodes; the training data have {known}")), "{text}");
     assert!(files(&cache).is_empty(), "something was solved: {:?}", files(&cache));
     for (scene, why) in
         [("fingers: None", "a free object between 0 finger(s)"), ("fingers: One", "a free object between 1 finger(s)")]
@@ -138,7 +138,7 @@ fn models_that_ship_work_in_any_folder_with_any_cache_and_number_of_threads() {
     assert_eq!(run(&folder.join("file"), &["b.ron"]), expected);
     let missing = tactus(folder, &cache, &["run", "a.ron", "--backend", "gnn", "--model", "nowhere"]);
     assert_eq!(missing.status.code(), Some(2));
-    assert!(errors(&missing).contains("this ships: universe"), "{}", errors(&missing));
+    assert!(errors(&missing).contains("built-in networks: universe"), "{}", errors(&missing));
 }
 
 fn key(finger: &FingerModel) -> ComplianceKey {
@@ -414,7 +414,7 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
     assert!(errors(&refused).contains("changed or damaged"), "{}", errors(&refused));
     std::fs::write(&tiny.scene, TINY.replace("ELEMENT", "Linear").replace("force: 2.0", "force: 2.5")).unwrap();
     let refused = tiny.command(&part).output().unwrap();
-    assert!(errors(&refused).contains("holds another data set"), "{}", errors(&refused));
+    assert!(errors(&refused).contains("contains another data set"), "{}", errors(&refused));
 }
 
 #[test]

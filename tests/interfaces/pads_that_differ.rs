@@ -186,7 +186,7 @@ fn a_training_refuses_them_with_the_line_of_the_scene() {
             assert!(said.contains("its two pads differ"), "{said}");
             continue;
         }
-        assert!(said.contains("gripper.right: a network takes two pads that are alike"), "{arguments:?}: {said}");
+        assert!(said.contains("gripper.right: a network needs two identical pads"), "{arguments:?}: {said}");
         // The line in the scene that the object file stores.
         let scene = &set().objects[0].scene;
         let line =

@@ -183,7 +183,7 @@ fn what_is_not_finite_or_does_not_fit_is_refused_by_name() {
     let mut torn = pads.clone();
     torn[1].surface[0][2] = 9999;
     let message = recorder.begin_grasp(1, &torn, &sphere(8, 0.01)).expect_err("refused").to_string();
-    assert!(message.contains("pad 1 (right): surface names node 9999"), "{message}");
+    assert!(message.contains("pad 1 (right): surface refers to node 9999"), "{message}");
 }
 
 #[test]

@@ -188,7 +188,7 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
         html.contains("Speed against error") && picture(&html).contains("<svg") && picture(&html).contains("Pareto")
     );
     assert!(html.contains("quadratic 4x4x2") && html.contains("0 reached"));
-    assert!(markdown.contains("| setting | nodes | s a grasp |") && markdown.contains("| quadratic 4x4x2 |"));
+    assert!(markdown.contains("| setting | nodes | s per grasp |") && markdown.contains("| quadratic 4x4x2 |"));
     let data = data_of(&html);
     let shown = &data["grasps"][0];
     assert_eq!(shown["states"].as_array().unwrap().len(), 1, "a run knows no second state");
@@ -257,7 +257,7 @@ fn what_holds_no_results_is_refused_by_name() {
         String::from_utf8(output.stderr).unwrap()
     };
     let empty = refusal(&["report", text(dir.path())]);
-    assert!(empty.contains("holds no results") && empty.contains("run.json"), "{empty}");
+    assert!(empty.contains("contains no results") && empty.contains("run.json"), "{empty}");
     std::fs::write(dir.path().join("bench.json"), "{}").unwrap();
     let wrong = refusal(&["report", text(dir.path())]);
     assert!(wrong.contains("bench.json") && wrong.contains("not what `tactus bench` writes"), "{wrong}");

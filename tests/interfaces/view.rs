@@ -175,7 +175,7 @@ fn state_and_page_change_with_the_grasps() {
     assert_ne!(viewing.state(), before);
     assert!(viewing.get("/").contains("grasp 1"));
     std::fs::write(run.join("run.json"), "{").unwrap();
-    assert!(viewing.get("/").contains("is no report of a run"), "what cannot be read is named on the page");
+    assert!(viewing.get("/").contains("is not a report of a run"), "what cannot be read is named on the page");
     assert_eq!(viewing.end().0, Some(0));
 }
 
@@ -195,7 +195,7 @@ fn a_scene_runs_while_it_is_viewed_and_its_verdict_is_the_exit_code() {
     let mut line = String::new();
     let mut watching = watching;
     watching.stderr.read_line(&mut line).unwrap();
-    assert!(line.contains("stays until Ctrl-C"), "{line}");
+    assert!(line.contains("is available until Ctrl-C"), "{line}");
     assert_eq!(watching.end().0, Some(1));
 }
 
@@ -239,13 +239,13 @@ fn what_cannot_be_viewed_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         String::from_utf8(output.stderr).unwrap()
     };
-    assert!(refusal(&["view", text(dir.path()), "-o", "x"]).contains("-o DIR is for a scene"));
+    assert!(refusal(&["view", text(dir.path()), "-o", "x"]).contains("-o DIR is the folder of the results of a scene"));
     let empty = tempfile::tempdir().unwrap();
-    assert!(refusal(&["view", text(empty.path())]).contains("holds nothing to show"));
+    assert!(refusal(&["view", text(empty.path())]).contains("contains no results to show"));
     assert!(refusal(&["view", "no/such/scene.ron"]).contains("no such file"));
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
-    assert!(refusal(&["view", text(&dir.path().join("run")), "--port", &port]).contains("--port takes another"));
+    assert!(refusal(&["view", text(&dir.path().join("run")), "--port", &port]).contains("--port selects another port"));
     let scene = dir.path().join("press.ron");
     assert!(refusal(&["run", text(&scene), "--port", "0"]).contains("--watch"));
 }

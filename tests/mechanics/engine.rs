@@ -199,15 +199,15 @@ fn fingers_that_meet_nothing_or_start_inside_are_refused_by_name() {
         outcome.reason.unwrap()
     };
     let far = reason("", "grasps: List([(position: (0, 0.2, -0.1))])");
-    assert!(far.contains("left finger meets nothing within its stroke of 40.0 mm"), "{far}");
-    assert!(far.contains("the object is 180.0 mm away from the point midway between the pads"), "{far}");
+    assert!(far.contains("left finger does not touch the object within its stroke of 40.0 mm"), "{far}");
+    assert!(far.contains("the object is 180.0 mm from the point midway between the pads"), "{far}");
     // A rotation about the hand moves the pads off the object; a rotation about the object's centre does not.
     let swung = reason("", "grasps: List([(position: (0, 0, -0.1), rotation: RpyDeg((0, 60, 0)))])");
-    assert!(swung.contains("meets nothing") && swung.contains("by its `centre`"), "{swung}");
+    assert!(swung.contains("does not touch the object") && swung.contains("`centre` of a pose"), "{swung}");
     let inside = reason("opening: 0.02", "");
-    assert!(inside.contains("left pad overlaps the object by") && inside.contains("widen `opening`"), "{inside}");
+    assert!(inside.contains("left pad overlaps the object by") && inside.contains("increase `opening`"), "{inside}");
     let heavy = reason("", "gravity: (981, 0, 0)");
-    assert!(heavy.contains("gravity pulls the object"), "{heavy}");
+    assert!(heavy.contains("gravity acts on the object"), "{heavy}");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn a_fault_keeps_the_last_accepted_state() {
         environment.step();
     }
     let Phase::Fault { reason } = environment.phase() else { panic!("{:?}", environment.phase()) };
-    assert!(reason.contains("no equilibrium within 80 Newton iterations, the most that a grasp"), "{reason}");
+    assert!(reason.contains("no equilibrium within 80 Newton iterations, the limit for a grasp"), "{reason}");
     let world = environment.world_mut();
     let mut nodes = world.query::<&Position>();
     assert!(nodes.iter(world).all(|p| p.0.is_finite()));

@@ -154,7 +154,7 @@ fn outside_the_trained_range_it_refuses_and_says_why() {
         predictor.admit(&model, false).unwrap_err().to_string()
     };
     assert!(predictor.admit(&ball(made).0, false).is_ok());
-    assert!(refusal("force: 2.0", "force: 9.0").contains("outside the trained"));
+    assert!(refusal("force: 2.0", "force: 9.0").contains("outside the training range"));
     assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
     assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
 }

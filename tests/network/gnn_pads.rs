@@ -49,7 +49,7 @@ fn one_network_learns_from_pads_of_several_kinds() {
     let pad = &model.fingers[0].topology;
     let error = range.admits_pad(pad, &mesh_hash(pad)).unwrap_err().to_string();
     assert!(
-        error.contains("the length of its pads is ") && error.contains("times their thickness, trained was"),
+        error.contains("the length of its pads is ") && error.contains("times their thickness, the training range is"),
         "{error}"
     );
 }

@@ -67,7 +67,7 @@ fn grasps_that_cannot_be_looked_at_say_why() {
     let grips = [
         (Grip { force: vec![-1.0], ..usual.clone() }, "a force of -1 N"),
         (Grip { friction: f64::NAN, ..usual.clone() }, "a friction of NaN"),
-        (Grip { friction: 3.0, ..usual.clone() }, "friction is 3, trained was"),
+        (Grip { friction: 3.0, ..usual.clone() }, "friction is 3, the training range is"),
         (Grip { pose: far, ..usual.clone() }, ""),
     ];
     let all: Vec<Grip> = grips.iter().map(|(grip, _)| grip.clone()).collect();

@@ -69,14 +69,14 @@ fn only_the_frames_outside_the_range_are_refused() {
     // With all frames outside the range the scene is refused.
     let beyond = Model::build(&scene(None, ("force: 2.0", "force: 9.0"))).unwrap();
     let refused = predictor.many(&beyond, &[ball(made()).1], false).unwrap_err().to_string();
-    assert!(refused.contains("outside the trained"), "{refused}");
+    assert!(refused.contains("outside the training range"), "{refused}");
 }
 
 #[test]
 fn a_network_trained_on_a_few_grasps_states_no_error() {
     let predictor = Predictor::open(&made().model).unwrap();
     assert!(predictor.card.interval.is_none() && predictor.card.kept > 0);
-    let note = "is found on 20 grasps or more";
+    let note = "needs at least 20 grasps";
     assert!(made().notes.contains(note), "{}", made().notes);
     let (model, pose) = ball(made());
     assert!(predictor.notices(&model, false).iter().any(|notice| notice.contains(note)));

@@ -189,7 +189,7 @@ fn check_prints_the_mesh_and_why_and_one_of_spacing_and_accuracy_is_given() {
         [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap()).concat()
     };
     let text = check("Disc(radius: 0.012, thickness: 0.004, accuracy: 0.1)");
-    assert!(text.contains("accuracy: 0.1") && text.contains("the smallest patch, of grasp 0"), "{text}");
+    assert!(text.contains("accuracy: 0.1") && text.contains("the smallest contact patch, of grasp 0"), "{text}");
     for (pads, both) in [
         ("GelSightMini(accuracy: 0.1, spacing: 2e-3)", "accuracy and spacing are both given"),
         ("Box(size: (0.02, 0.02, 0.004), accuracy: 0.1, cells: (4, 4, 2))", "accuracy and cells are both given"),

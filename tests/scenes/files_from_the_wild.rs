@@ -237,7 +237,7 @@ fn gmsh_files_of_every_version_and_form_hold_the_same_block() {
             let told = notices.join("\n");
             assert!(told.contains("ignored elements 1 of type 2"), "{version} {form:?}: {told}");
             let straight =
-                "192 tetrahedra of 10 nodes are read by their 4 corners; their middle nodes lie in the middle";
+                "only the 4 corners of 192 tetrahedra of 10 nodes are read; their mid-edge nodes are at the midpoints";
             assert_eq!(told.contains(straight), second_order, "{version} {form:?}: {told}");
         }
     }
@@ -351,7 +351,7 @@ fn a_group_of_a_gmsh_file_is_chosen_by_its_name() {
             let (all, notices) = io::read_tet_mesh(&path).unwrap_or_else(|e| panic!("{version} {form:?}: {e}"));
             is_block(&all);
             let notices = notices.join("\n");
-            let says = "the volumes \"gel\" of 96 tetrahedra, \"soft backing\" of 96 tetrahedra are all taken as one";
+            let says = "the volumes \"gel\" of 96 tetrahedra, \"soft backing\" of 96 tetrahedra are combined";
             assert!(notices.contains(says) && notices.contains("`group: \"gel\"`"), "{version} {form:?}: {notices}");
             for (group, low, high) in [("gel", -2e-3, 0.0), ("soft backing", -4e-3, -2e-3), ("8", -4e-3, -2e-3)] {
                 if group == "8" && version != "2.2" {
@@ -399,11 +399,11 @@ fn curved_edges_are_told_and_a_foreign_order_of_nodes_is_refused() {
     let (mesh, notices) = read("a.msh", &gmsh("4.1", Form::Little, &nodes, &cells)).unwrap();
     is_block(&mesh);
     let told = notices.join("\n");
-    assert!(told.contains("lie up to 1.00e-4 m") && told.contains("edges are taken as straight"), "{told}");
+    assert!(told.contains("are up to 1.00e-4 m") && told.contains("edges are treated as straight"), "{told}");
     // A gmsh file with the mid-edge nodes in the order of VTK.
     let vtk: Vec<Vec<u32>> = quadratic::promote(&block()).tets.iter().map(|t| t.to_vec()).collect();
     let error = read("a.msh", &gmsh("2.2", Form::Text, &sound, &vtk)).unwrap_err();
-    assert!(error.contains("another order than gmsh's") && error.contains("line "), "{error}");
+    assert!(error.contains("not in the order of gmsh") && error.contains("line "), "{error}");
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn damaged_binary_gmsh_files_say_where() {
     refused(&whole[..whole.len() / 2], "the file ends where");
     let mut other = whole.clone();
     other[20..24].copy_from_slice(&[7, 7, 7, 7]);
-    refused(&other, "byte 24: the byte order is told by a 1, found the bytes [7, 7, 7, 7]");
+    refused(&other, "byte 24: the byte order must be indicated by a 1, found the bytes [7, 7, 7, 7]");
     refused(b"$MeshFormat\n3.0 1 8\n", "gmsh format `3.0`; allowed: 2.2, 4.0 or 4.1");
     let mut huge = b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".to_vec();
     huge.extend([1_u64, 1 << 60, 1, 2].iter().flat_map(|v| v.to_le_bytes()));
@@ -564,7 +564,7 @@ fn vtk_and_tetgen_files_hold_the_same_block_and_others_say_how_to_convert() {
         ("a.vtu", "`meshio convert -o gmsh22 a.vtu a.msh`"),
         ("a.inp", "`meshio convert -o gmsh22 a.inp a.msh`"),
         ("part.step", "`gmsh -3 part.step -o part.msh`"),
-        ("a.stl", "fill it with tetrahedra"),
+        ("a.stl", "mesh its volume with tetrahedra"),
         // A `.msh` file of ANSYS.
         ("a.msh", "`meshio convert -o gmsh22 a.msh gmsh_a.msh`"),
     ] {
@@ -583,7 +583,7 @@ fn a_line_of_a_megabyte_is_read_in_the_time_of_its_length() {
     });
     let longer = format!("# {}\n", "1 ".repeat(4_000_000));
     let error = read("a.tet", longer.as_bytes()).unwrap_err();
-    assert!(error.contains("line 1 has 8000002 bytes; at most 4194304 are read"), "{error}");
+    assert!(error.contains("line 1 has 8000002 bytes; at most 4194304 are allowed"), "{error}");
     let word = read("a.tet", "x".repeat(100_000).as_bytes()).unwrap_err();
     assert!(word.len() < 400, "a word of 100,000 letters is quoted in {} letters", word.len());
 }
@@ -720,7 +720,7 @@ fn the_scale_of_an_acronym_file_is_that_of_the_object() {
     for (object, radius, says) in [
         ("", 0.01, "the object is scaled by the file's `object/scale`, 0.5"),
         (", scale: 0.5", 0.01, ""),
-        (", scale: 1", 0.02, "at `object/scale` 0.5, and the scene has it at `scale: 1`"),
+        (", scale: 1", 0.02, "at `object/scale` 0.5, but the scene sets `scale: 1`"),
     ] {
         let model = model(object).unwrap();
         assert!((model.object.bounding_radius - radius).abs() < 1e-12, "{object}: {} m", model.object.bounding_radius);
@@ -742,7 +742,7 @@ fn a_convention_that_is_none_is_refused_with_its_place() {
         ("(quaternion: Zyxw)", "allowed: Wxyz, Xyzw"),
         ("(closing: W)", "allowed: X, Y, Z, MinusX, MinusY, MinusZ"),
         ("(order: Xyzw)", "allowed: quaternion, closing, approach"),
-        ("(closing: Z)", "closing and approach lie along one axis"),
+        ("(closing: Z)", "closing and approach are along the same axis"),
     ] {
         let path = scene(dir.path(), &format!("File(path: \"g.h5\", convention: {text})"));
         let error = load(path).unwrap_err().to_string();
@@ -768,7 +768,7 @@ fn matrices_that_are_no_poses_are_refused() {
         m
     };
     refused(with(10, -1.0), "determinant -1");
-    refused(with(0, 1.01), "not orthonormal: off by 2.01e-2");
+    refused(with(0, 1.01), "not orthonormal: its error is 2.01e-2");
     refused(with(12, 0.1), "last row is [0.1, 0.0, 0.0, 1.0]");
     refused(with(3, f64::NAN), "column 3 is NaN");
 }
@@ -812,7 +812,7 @@ fn check_and_run_say_the_same_of_what_cannot_start() {
         (
             "shape: Cuboid(size: (0.0004, 0.03, 0.004))",
             "GelSightMini(shape: Domed, spacing: 3.0e-3)",
-            "meet beside the object",
+            "touch each other next to the object",
         ),
         ("shape: Cuboid(size: (0.1, 0.03, 0.03))", "GelSightMini(spacing: 3.0e-3)", "overlaps the object by"),
     ] {
@@ -944,7 +944,7 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     let loaded = load(scene(dir.path(), "File(path: \"g.h5\", dataset: \"grasps/data\")")).unwrap();
     alike(&poses_of(&loaded.scene).unwrap(), &expected, 1e-12);
     let error = read("claims.h5").unwrap_err();
-    assert!(error.contains("claims 38000000 grasps; at most 1000000 are read"), "{error}");
+    assert!(error.contains("declares 38000000 grasps; at most 1000000 are allowed"), "{error}");
     let error = read("chunk.h5").unwrap_err();
     assert!(error.contains("chunks of 3204 MiB"), "{error}");
 }
@@ -1052,9 +1052,9 @@ fn models_of_former_versions_name_their_successor() {
     )
     .unwrap();
     let error = Trained::read(&model).unwrap_err().to_string();
-    for says in ["trained by tactus 0.1.0", "features of version 2", "`tactus train`", "ships: universe"] {
+    for says in ["trained by tactus 0.1.0", "feature version 2", "`tactus train`", "built-in network: universe"] {
         assert!(error.contains(says), "`{says}` is not in: {error}");
     }
     let error = Trained::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();
-    assert!(error.contains("shipped with version 0.1") && error.contains("universe"), "{error}");
+    assert!(error.contains("is a network of version 0.1") && error.contains("universe"), "{error}");
 }

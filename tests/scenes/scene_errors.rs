@@ -59,20 +59,20 @@ fn former_fields_name_their_successors() {
 /// Parentheses that hold one value have no fields; the message shows the correct place of a field.
 #[test]
 fn fields_beside_a_single_value_are_shown_their_place() {
-    let beside = "fields of object stand beside `shape`: `shape: Mesh(...), scale: ...`";
-    let says = &["object.shape: `Mesh(...)` holds one value and no field `scale`", beside];
+    let beside = "fields of object are written next to `shape`: `shape: Mesh(...), scale: ...`";
+    let says = &["object.shape: `Mesh(...)` takes one value and has no field `scale`", beside];
     refused(&format!("(object: (shape: Mesh(\"a.obj\", scale: 1e-3)),\n{LOADING})"), 1, 32, says);
     refused(&format!("(object: (shape: Mesh(scale: 1e-3, \"a.obj\")),\n{LOADING})"), 1, 23, says);
     line_three(
         "grasps: List(position: (0, 0, 0)),",
         14,
-        &["grasps: `List(...)` holds one value and no field `position`"],
+        &["grasps: `List(...)` takes one value and has no field `position`"],
     );
 }
 
 #[test]
 fn poses_have_one_place() {
-    let says = &["grasps[1]: a pose needs `position`", "or `centre`", "however the hand is turned"];
+    let says = &["grasps[1]: a pose needs `position`", "or `centre`", "for any rotation of the hand"];
     line_three("grasps: List([(centre: (0, 0, 0)), (rotation: (1, 0, 0, 0))]),", 36, says);
     line_three("grasps: List([(centre: (0, 0, 0)), (position: (0, 0, 0), centre: (0, 0, 0))]),", 36, says);
 }
@@ -80,7 +80,7 @@ fn poses_have_one_place() {
 #[test]
 fn only_files_are_repaired() {
     let text = format!("(object: (shape: Sphere(radius: 0.02), repair: true),\n{LOADING})");
-    refused(&text, 1, 48, &["only the surface of a file is repaired", "shape: Mesh("]);
+    refused(&text, 1, 48, &["only a surface from a file can be repaired", "shape: Mesh("]);
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn counts_are_whole_and_bounded() {
 fn wrong_types_name_the_field() {
     let text = format!("(object: (shape: Sphere(radius: \"big\")),\n{LOADING})");
     refused(&text, 1, 33, &["object.shape.radius: expected a number, found `\"big\"`"]);
-    line_three("about: 3,", 8, &["about: expected a text in double quotes, found `3`"]);
+    line_three("about: 3,", 8, &["about: expected a string in double quotes, found `3`"]);
     line_three("record: (pictures: 1),", 20, &["record.pictures: expected `true` or `false`"]);
     line_three("expect: NoInversion,", 9, &["expect: expected a list `[...]`, found `NoInversion`"]);
     line_three("gravity: 9.81,", 10, &["gravity: expected 3 numbers (x, y, z), found `9.81`"]);
@@ -184,9 +184,9 @@ fn syntax_slips_are_explained() {
         &["expected `,` before `gravity`"],
     );
     refused(&format!("({OBJECT}\n{LOADING}"), 2, 29, &["ends too early", "`)` or `]` is missing"]);
-    refused(&format!("({OBJECT}\n{LOADING}) x"), 2, 31, &["more text after the end"]);
+    refused(&format!("({OBJECT}\n{LOADING}) x"), 2, 31, &["unexpected text after the end"]);
     refused("{\"object\": 3}", 1, 1, &["expected the fields of Scene"]);
-    refused("", 1, 1, &["the scene is empty", "a smallest scene"]);
+    refused("", 1, 1, &["the scene is empty", "a minimal scene"]);
     refused("// nothing yet\n", 1, 1, &["the scene is empty"]);
 }
 
@@ -195,7 +195,7 @@ fn fields_that_do_not_go_together_are_named() {
     let object = |shape: &str| format!("(object: (shape: {shape}),\n{LOADING})");
     refused(&object("Annulus(outer: 0.01, inner: 0.02, height: 0.1)"), 1, 46, &["object.shape.inner: the hole"]);
     refused(&object("Cuboid(size: (0.1, 0.1, 0.02), edge_radius: 0.02)"), 1, 62, &["edge_radius", "at most 0.01"]);
-    refused(&object("Cup(radius: 0.03, height: 0.1, wall: 0.03)"), 1, 55, &["leaves no hollow"]);
+    refused(&object("Cup(radius: 0.03, height: 0.1, wall: 0.03)"), 1, 55, &["leaves no cavity"]);
     refused(
         &object("Revolve(profile: [(0, 0), (0.1, 0.1)])"),
         1,
@@ -208,14 +208,14 @@ fn fields_that_do_not_go_together_are_named() {
         72,
         &["2 radii for 3 points"],
     );
-    line_three("gripper: (fingers: One),", 20, &["pushes a free object away", "motion: Fixed"]);
+    line_three("gripper: (fingers: One),", 20, &["cannot hold a free object", "motion: Fixed"]);
     line_three(
         "gripper: (pads: Box(size: (0.1, 0.1, 0.1), cells: (1, 1, 1), spacing: 0.1)),",
         51,
         &["give one of them"],
     );
     line_three("expect: [NoInversion, Travel()],", 23, &["expect[1]: Travel needs at_least, at_most or both"]);
-    line_three("expect: [Force(at_least: 2, at_most: 1)],", 10, &["nothing can hold that"]);
+    line_three("expect: [Force(at_least: 2, at_most: 1)],", 10, &["no value satisfies both"]);
     line_three("grasps: List([]),", 14, &["an empty list of grasps"]);
     line_three("grasps: Antipodal(count: 3, tilt_deg: 95),", 39, &["grasps.tilt_deg: must be at most 90 degrees"]);
 }
@@ -225,8 +225,8 @@ fn lists_of_objects_are_checked() {
     let ball = "(name: \"ball\", object: (shape: Sphere(radius: 0.02)))";
     let set = |objects: &str| format!("(objects: [\n{objects}],\nloading: Squeeze(force: 5))");
     refused(&set(&format!("{ball},\n{ball}")), 3, 8, &["objects[1].name: two objects are named \"ball\""]);
-    refused(&set(&ball.replace("ball", "a_b")), 2, 8, &["cannot name an object", "no `_`"]);
-    refused(&set(&ball.replace("ball", "")), 2, 8, &["cannot name an object"]);
+    refused(&set(&ball.replace("ball", "a_b")), 2, 8, &["is not a valid name of an object", "no `_`"]);
+    refused(&set(&ball.replace("ball", "")), 2, 8, &["is not a valid name of an object"]);
     refused("(objects: [], loading: Squeeze(force: 5))", 1, 11, &["an empty list of objects"]);
     let both = format!("(objects: [{ball}],\n{OBJECT}{LOADING})");
     refused(&both, 1, 11, &["object and objects are both given"]);
@@ -248,14 +248,14 @@ fn presses_are_checked() {
     refused(&press(""), 2, 10, &["a press needs `depth` or `depths`"]);
     refused(&press("depth: 1e-3, depths: [1e-3]"), 2, 37, &["give one of them"]);
     refused(&press("depths: [1e-3, 1e-3]"), 2, 31, &["loading.depths[1]: depths must increase"]);
-    refused(&press("depths: [1e-3], frames: 4"), 2, 40, &["`depths` already says"]);
+    refused(&press("depths: [1e-3], frames: 4"), 2, 40, &["`depths` already defines"]);
     refused(&press("depth: 0.1"), 2, 10, &["longer than the finger's stroke (0.04 m)"]);
 }
 
 #[test]
 fn files_that_are_named_must_exist() {
     let text = format!("(object: (shape: Mesh(\"nowhere.obj\")),\n{LOADING})");
-    refused(&text, 1, 23, &["object.shape: no file at", "nowhere.obj", "start at the folder of the scene file"]);
+    refused(&text, 1, 23, &["object.shape: no file at", "nowhere.obj", "are relative to the folder of the scene file"]);
     line_three("grasps: File(\"no.h5\"),", 14, &["no file at"]);
     line_three("grasps: File(path: \".\"),", 20, &["is a directory"]);
     line_three("gripper: (pads: File(path: \"no.tet\", outward: (0, 1, 0))),", 28, &["gripper.pads.path: no file at"]);
@@ -264,7 +264,7 @@ fn files_that_are_named_must_exist() {
 #[test]
 fn selections_are_checked() {
     let select = |s: &str| format!("grasps: File(path: \"broken.ron\", select: {s}),");
-    line_three(&select("0..=3"), 42, &["a range here has no `=`", "write 0..10"]);
+    line_three(&select("0..=3"), 42, &["an inclusive range (`=`) is not supported here", "write 0..10"]);
     line_three(&select("[]"), 42, &["selects no grasp"]);
     line_three(&select("[0, -1]"), 46, &["expected a whole number"]);
     assert!(error_of(format!("({OBJECT}{LOADING}{})", select("5..5"))).contains("range 5..5 selects no grasp"));
@@ -307,7 +307,7 @@ fn words_of_motion_are_checked() {
     );
     refused(&dynamic("Hold(duration: 0)"), 3, 43, &["must be above zero"]);
     refused(&dynamic("Hold(duration: 2000)"), 3, 43, &["must be at most 1000 s", "2000 ms is 2"]);
-    refused(&dynamic("Lift(height: 0.1, duration: 1)"), 3, 28, &["against gravity", "Move(by: (x, y, z), ...)"]);
+    refused(&dynamic("Lift(height: 0.1, duration: 1)"), 3, 28, &["a lift needs gravity", "Move(by: (x, y, z), ...)"]);
     refused(&dynamic("Close(force: -1, duration: 1)"), 3, 41, &["must be zero or above"]);
     refused(
         &dynamic("Rotate(angle_deg: 9, axis: (0, 0, 0), duration: 1)"),
@@ -315,14 +315,14 @@ fn words_of_motion_are_checked() {
         55,
         &["a direction of length zero", "(0, 0, 1) is along +z"],
     );
-    refused(&dynamic("Repeat(times: 3, motions: [])"), 3, 28, &["repeats no motion"]);
-    refused(&dynamic(""), 3, 27, &["no motion", "Hold(duration: 0.5)"]);
-    line_three("ground: Plane(),", 9, &["only a scene that moves in time has this", "loading: Dynamic"]);
+    refused(&dynamic("Repeat(times: 3, motions: [])"), 3, 28, &["repeats an empty list of motions"]);
+    refused(&dynamic(""), 3, 27, &["an empty list of motions", "Hold(duration: 0.5)"]);
+    line_three("ground: Plane(),", 9, &["only a dynamic scene has this", "loading: Dynamic"]);
     line_three("expect: [ObjectHeld(slip_at_most: 1e-3)],", 10, &["ObjectHeld needs loading: Dynamic"]);
-    line_three("gripper: (fingers: None),", 20, &["nothing to load without fingers"]);
+    line_three("gripper: (fingers: None),", 20, &["this loading needs fingers"]);
     let text =
         format!("({OBJECT} gripper: (fingers: None),\nloading: Dynamic(motions: [Close(force: 1, duration: 1)]))");
-    refused(&text, 2, 27, &["nothing closes without fingers"]);
+    refused(&text, 2, 27, &["this motion needs fingers"]);
     let object = "object: (shape: Sphere(radius: 0.02), motion: Fixed, spin: (0, 0, 1)),";
     refused(
         &format!("({object}\nloading: Dynamic(motions: [Hold(duration: 1)]))"),

@@ -68,7 +68,7 @@ fn circles_name_the_chain() {
     write(dir.path(), "a.ron", "(\n include: [\"b.ron\"],\n)");
     write(dir.path(), "b.ron", "(\n include: [\"./a.ron\"],\n)");
     let error = load(dir.path().join("a.ron")).unwrap_err().to_string();
-    assert!(error.contains("in a circle: a.ron -> b.ron -> a.ron"), "{error}");
+    assert!(error.contains("in a cycle: a.ron -> b.ron -> a.ron"), "{error}");
     assert!(error.contains("b.ron:2:12\n"), "{error}");
 }
 

@@ -102,7 +102,7 @@ fn every_shipped_scene_runs_one_frame() {
             let object = set.scenes[0].name.as_str();
             let first = if set.scenes.len() > 3 { &["--object", object][..] } else { &[] };
             let out = tactus(&[&["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures"], first].concat());
-            if errors(&out).contains("--frames does not go with a press at given `depths`") {
+            if errors(&out).contains("--frames is not allowed for a press with `depths`") {
                 return other(&out, &[2]);
             }
             other(&out, &[0, 1])
@@ -226,7 +226,7 @@ fn a_data_set_that_does_not_fit_on_the_disk_is_refused_before_it_begins() {
     let error = errors(&out);
     assert_eq!(out.status.code(), Some(2), "{error}");
     assert!(
-        error.contains("the data set takes up to") && error.contains("TB") && error.contains("free there"),
+        error.contains("the data set needs up to") && error.contains("TB") && error.contains("free there"),
         "{error}"
     );
     assert!(!set.exists(), "nothing is laid out");
@@ -248,7 +248,7 @@ fn hostile_texts_are_refused_in_bounded_time_and_memory() {
     };
     let promises = "Finite,".repeat(100_000);
     let text = format!("(loading: Squeeze(force: 1), objects: [{}], expect: [{promises}])", objects(9_000));
-    check("shared.ron", &text, &["9000 objects that share", "shared.ron:1:39"]);
+    check("shared.ron", &text, &["9000 objects with", "shared.ron:1:39"]);
     check("promises.ron", &format!("({object}, expect: [{promises}])"), &["100000 expectations", "at most 1000"]);
     check(
         "objects.ron",
@@ -314,7 +314,7 @@ fn what_a_scene_asks_of_a_network_is_said_apart() {
     assert_eq!(json["promised_in"], "expect_network");
     let names: Vec<_> = json["expectations"].as_array().unwrap().iter().map(|e| e["name"].as_str().unwrap()).collect();
     assert!(names.contains(&"Penetration") && !names.contains(&"NoPenetration"), "{names:?}");
-    assert!(run(&["--backend", "gnn"]).contains("judged by expect_network:"));
+    assert!(run(&["--backend", "gnn"]).contains("expectations from expect_network:"));
     let json: serde_json::Value = serde_json::from_str(&run(&["--frames", "1", "--format", "json"])).unwrap();
     assert_eq!(json["promised_in"], "expect");
 }
@@ -355,7 +355,7 @@ fn a_check_tries_the_first_thousand_grasps() {
         loading: Squeeze(force: 1, frames: 1), grasps: Antipodal(count: 1500))";
     let out = tactus(&["check", &file(dir.path(), "many.ron", text)]);
     let text = String::from_utf8_lossy(&out.stdout);
-    assert!(text.contains(" of 1000 grasps can start; 500 more were not tried"), "{text}");
+    assert!(text.contains(" of 1000 grasps can start; 500 more were not checked"), "{text}");
 }
 
 /// The size estimate equals the numbers of nodes and unknowns of the generated grid.

@@ -95,7 +95,7 @@ fn what_knows_pads_alike_alone_refuses_others() {
     let message = refused(&format!("{right}, fingers: One"), "");
     assert!(message.contains("gripper.right: there is no right finger"), "{message}");
     let message = refused(&right, "record: (tactile: [Pressure(rows: 4, cols: 4)])");
-    assert!(message.contains("record.tactile: tactile images are of two pads that are alike"), "{message}");
+    assert!(message.contains("record.tactile: tactile images need two identical pads"), "{message}");
     let message = refused(&format!("pads: {BOX}, right: (pads: Disc(radius: 1e-6, thickness: 0.003))"), "");
     assert!(message.contains("gripper.right.pads.radius"), "{message}");
 
@@ -107,9 +107,9 @@ fn what_knows_pads_alike_alone_refuses_others() {
     let (path, out) = (path.to_str().unwrap(), folder.path().join("out"));
     let out = out.to_str().unwrap();
     for (arguments, says) in [
-        (&["dataset", path, "-o", out, "--sensitivity", "1"][..], "a sensitivity takes two pads that are alike"),
-        (&["bench", path], "a bench takes two pads that are alike"),
-        (&["run", path, "--sensitivity"], "a sensitivity takes two pads that are alike"),
+        (&["dataset", path, "-o", out, "--sensitivity", "1"][..], "a sensitivity needs two identical pads"),
+        (&["bench", path], "a bench needs two identical pads"),
+        (&["run", path, "--sensitivity"], "a sensitivity needs two identical pads"),
         (&["run", path, "--backend", "gnn"], "its two pads differ"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap();

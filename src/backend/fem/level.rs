@@ -95,11 +95,11 @@ impl GraspSolver {
             at(load, level)
         };
         if !self.has_no_near_inversion() {
-            let reason = format!("{at}: an element of a condensed pad turns inside out");
+            let reason = format!("{at}: an element of a condensed pad is inverted");
             return Err(Refusal::Condensed(Stop::fault(reason)));
         }
         let slides = push > 0.0 && self.slipping(model) > SLIDES;
-        let sliding = || slides.then(|| "the object slips: all of the contact is at Coulomb's limit".to_string());
+        let sliding = || slides.then(|| "the object slips: the whole contact is at the Coulomb limit".to_string());
         if let Some(reason) = self.lost_grip(model).or_else(sliding) {
             self.path.state = before;
             return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{at}: {reason}") }));
@@ -130,7 +130,7 @@ impl GraspSolver {
         self.condense(model).map_err(stuck)?;
         self.path.newton.object_fixed = model.free;
         let made = self.path.establish(first);
-        made.map_err(|f| self.refuse(model, &format!("making contact at {first:.4} N per finger"), f))
+        made.map_err(|f| self.refuse(model, &format!("establishing contact at {first:.4} N per finger"), f))
     }
 
     /// Releases the object; its weight, if any, passes step by step from its support to the fingers.
@@ -146,7 +146,7 @@ impl GraspSolver {
             // The path under the force does not predict the path under the weight.
             self.path.history = None;
             let more = self.follow(model, Load::Force, self.path.level);
-            let letting_go = format!("letting go of the object {}", at(Load::Force, self.path.level));
+            let letting_go = format!("releasing the object {}", at(Load::Force, self.path.level));
             done.add(more.map_err(|f| self.refuse(model, &letting_go, f))?);
         }
         self.path.largest_drift = largest_drift;
@@ -167,7 +167,8 @@ impl GraspSolver {
             }
             let [slipping, held] = [slipping, self.path.level].map(|part| 100.0 * part);
             let reason = format!(
-                "{at}: the object slips; at {held:.1} % of it {slipping:.0} % of the contact is at Coulomb's limit"
+                "{at}: the object slips; at {held:.1} % of the push, {slipping:.0} % of the contact is at the Coulomb \
+                 limit"
             );
             Refusal::Final(Stop { dropped: true, reason })
         })

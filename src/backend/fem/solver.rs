@@ -178,7 +178,7 @@ impl GraspSolver {
             if state.travel[i] > model.stroke {
                 let stroke = model.stroke * 1e3;
                 return Some(format!(
-                    "the {name} finger ran past its stroke of {stroke:.1} mm: {}",
+                    "the {name} finger exceeded its stroke of {stroke:.1} mm: {}",
                     self.escaped(model)
                 ));
             }
@@ -193,7 +193,7 @@ impl GraspSolver {
     fn escaped(&self, model: &Model) -> String {
         match model.free {
             true => format!("the object was squeezed out (it {})", self.moved()),
-            false => "nothing is left to push against".into(),
+            false => "it no longer touches the object".into(),
         }
     }
 
@@ -202,7 +202,7 @@ impl GraspSolver {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position) * 1e3;
         let turned = (state.rotation * self.progress.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
-        format!("moved {moved:.1} mm and turned {turned:.1} degrees")
+        format!("moved by {moved:.1} mm and rotated by {turned:.1} degrees")
     }
 
     /// Returns the message for a solve that failed: where (`at`), the cause, the last accepted load level, and the
@@ -213,7 +213,7 @@ impl GraspSolver {
         let far = match model.free && moved > REPORTED_MOTION * model.object.bounding_radius {
             true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
             // Whether it would have reached equilibrium is unknown.
-            true => format!("; the object {} on the way", self.moved()),
+            true => format!("; the object {} before that", self.moved()),
             false => String::new(),
         };
         format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)

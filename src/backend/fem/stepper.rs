@@ -46,8 +46,9 @@ impl Stepper for FemStepper {
     fn notices(&self, model: &Model) -> Vec<String> {
         let scene::Solver::Condensed(c) = self.settings.solver else { return Vec::new() };
         let notice = format!(
-            "pads are condensed to an error of {:e} while the object is held; once it is let go, at {:.4} N per finger, their error is not \
-             checked: where it then rolls or slides they may be off by as much as they move. `solver: Full` checks it",
+            "pads are condensed to an error of {:e} while the object is fixed; after its release at {:.4} N per finger \
+             their error is not checked, and may be as large as their displacement if the object rolls or slides. \
+             `solver: Full` avoids this error",
             c.error.get(),
             model.release
         );
@@ -55,7 +56,7 @@ impl Stepper for FemStepper {
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
-        let missing = || Error::Start("the world was not spawned for a grasp".into());
+        let missing = || Error::Start("the world was not created for a grasp".into());
         let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
         let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
         let pose = grasp.0.inverse();
@@ -93,5 +94,3 @@ impl Stepper for FemStepper {
         read
     }
 }
-    /// Returns the message for a solve that failed: where (`at`), the cause, the last accepted load level, and the
-    /// motion of a free object if it is large.

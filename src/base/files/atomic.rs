@@ -122,16 +122,16 @@ pub fn create_dir(dir: &Path) -> Result<()> {
 pub fn cannot_write(path: &Path, error: &io::Error) -> Error {
     let remedy = match error.kind() {
         ErrorKind::PermissionDenied => {
-            "you may not write there; choose another output directory or change its permissions"
+            "writing there is not permitted; choose another output directory or change its permissions"
         }
         ErrorKind::ReadOnlyFilesystem => "the file system is mounted read-only; choose another output directory",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "the disk or your quota is full; free space, record fewer frames, or switch off the vtu files or arrays"
         }
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
-            "a file stands where a directory is needed; choose another output directory or move it away"
+            "a file exists where a directory is needed; choose another output directory or move the file"
         }
-        ErrorKind::NotFound => "its directory is gone; was the output directory removed during the run?",
+        ErrorKind::NotFound => "its directory no longer exists; was the output directory removed during the run?",
         _ => "check the output directory",
     };
     Error::system(path, format!("cannot write: {error}; {remedy}"), error.kind())

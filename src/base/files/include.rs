@@ -21,7 +21,7 @@ pub fn may_include(path: &Path, chain: &[PathBuf], read: usize) -> Result<(), St
     if let Ok(canonical) = path.canonicalize()
         && let Some(first) = chain.iter().position(|p| *p == canonical)
     {
-        return Err(format!("the files include each other in a circle: {} -> {}", show(&chain[first..]), name(path)));
+        return Err(format!("the files include each other in a cycle: {} -> {}", show(&chain[first..]), name(path)));
     }
     if chain.len() > DEPTH {
         return Err(format!("includes are nested more than {DEPTH} deep: {} -> {}", show(chain), name(path)));

@@ -59,8 +59,8 @@ impl FolderLock {
     pub fn notice(&self) -> Option<String> {
         let LockKind::File { file, reason } = &self.holding else { return None };
         Some(format!(
-            "{}: the file system has no locks ({reason}); this file stands in their place while the command runs, and must be deleted \
-             by hand if the command is killed and the next one runs on another machine",
+            "{}: the file system does not support locks ({reason}); this file replaces the lock while the command \
+             runs, and must be deleted manually if the command is killed and the next one runs on another machine",
             file.path().display()
         ))
     }

@@ -84,7 +84,8 @@ impl Holder {
         let path = self.path(base);
         let command = std::fs::read_to_string(&path).ok().filter(|text| !text.is_empty());
         let message = format!(
-            "{} (process {} on {}) is writing here; wait for it, end it, or choose another folder; if it is gone, delete {}",
+            "{} (process {} on {}) is writing here; wait for it, end it, or choose another folder; if that process no \
+             longer exists, delete {}",
             command.as_deref().unwrap_or("another command"),
             self.process,
             self.host,

@@ -21,7 +21,7 @@ pub fn open(path: &Path) -> Result<File> {
 /// Fails in the cases of [`open()`], for a larger file and on an I/O error.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let (file, meta) = checked(path)?;
-    let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are read"));
+    let too_large = |size: String| Error::file(path, format!("{size} bytes; at most {limit} are allowed"));
     if meta.len() > limit {
         return Err(too_large(meta.len().to_string()));
     }

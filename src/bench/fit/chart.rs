@@ -39,7 +39,7 @@ struct Line<'a> {
 impl FitReport {
     /// Returns the curves of the unchanged scene, each parameter alone, the best pair, and all parameters.
     fn lines(&self) -> Vec<Line<'_>> {
-        let given = Line { residuals: &self.given, color: MUTED, name: name("as the scene has it", self.given_rms) };
+        let given = Line { residuals: &self.given, color: MUTED, name: name("values of the scene", self.given_rms) };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
         let drawn = singles.chain([2, self.parameters.len()].into_iter().filter_map(|count| self.best(count)));
         let mut lines = vec![given];

@@ -31,7 +31,7 @@ impl Curve {
         let at = |line: u64, message: String| Error::file(format!("{}:{line}", path.display()), message);
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(&bytes[..]);
-        let broken = |e: csv::Error| at(e.position().map_or(1, csv::Position::line), "is no text in UTF-8".into());
+        let broken = |e: csv::Error| at(e.position().map_or(1, csv::Position::line), "is not UTF-8 text".into());
         let header = reader.headers().map_err(broken)?;
         if header.iter().ne(HEADER) {
             let found: Vec<&str> = header.iter().take(4).collect();

@@ -44,7 +44,11 @@ pub struct Minimum {
 /// # Errors
 /// Fails if `residuals` fails, or returns None at `start` or at a finite-difference point of an iterate.
 pub fn minimise(start: &[f64], residuals: impl Fn(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>>) -> Result<Minimum> {
-    let failed = || Error::Argument("a press beside one that succeeded fails; narrow the ranges with --range".into());
+    let failed = || {
+        Error::Argument(
+            "a press fails close to the parameters of a successful one; narrow the ranges with --range".into(),
+        )
+    };
     let all = |points: &[Vec<f64>]| residuals(points)?.into_iter().collect::<Option<Vec<_>>>().ok_or_else(failed);
     let first = all(&[start.to_vec()])?.swap_remove(0);
     let jacobian = differences(start, &first, all)?;

@@ -40,7 +40,7 @@ pub fn fit(
     let ranges = ranges.above_surface(curve);
     let start = press.start();
     ranges.must_hold(&start)?;
-    progress("the press as the scene has it");
+    progress("the press with the values of the scene");
     let given = press.residuals_of(&start)?;
     let sets: Vec<_> = sets().into_iter().filter(|free| free.len() <= curve.points.len()).collect();
     let values = |free: &[Parameter], units: &[Vec<f64>]| -> Vec<ParameterValues> {

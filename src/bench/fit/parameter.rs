@@ -115,7 +115,7 @@ impl Ranges {
             return Err(format!("{name}: {message}"));
         }
         if low >= high {
-            return Err(format!("{name}: the first number is the least, the second the largest"));
+            return Err(format!("{name}: the first number is the minimum, the second the maximum"));
         }
         self.0[index] = [low, high];
         Ok(())

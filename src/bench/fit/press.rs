@@ -43,11 +43,11 @@ impl<'a> PressRuns<'a> {
             return refused("needs a press; use loading: Press(depths: [...])");
         }
         if scene.gravity.is_some() {
-            return refused("takes a gel without weight; leave `gravity` out");
+            return refused("needs a gel without weight; leave `gravity` out");
         }
         let poses = poses_of(scene)?;
         let &[pose] = &poses[..] else {
-            return refused(&format!("is of one press, and the scene has {}", counted(poses.len(), "grasp")));
+            return refused(&format!("needs one press, and the scene has {}", counted(poses.len(), "grasp")));
         };
         let mut scene = scene.clone();
         scene.promise_nothing();

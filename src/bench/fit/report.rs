@@ -163,7 +163,7 @@ impl FitReport {
             self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", shown(d * 1e3))));
         }
         out += "  largest     rms\n";
-        self.row(&mut out, "as the scene has it", self.start.map(|v| (v, String::new())), &self.given, self.given_rms);
+        self.row(&mut out, "values of the scene", self.start.map(|v| (v, String::new())), &self.given, self.given_rms);
         for fit in &self.fits {
             let cells = Parameter::ALL.map(|p| match fit.free.iter().find(|e| e.parameter == p) {
                 Some(estimate) => (estimate.value, note(estimate)),
@@ -171,12 +171,12 @@ impl FitReport {
             });
             self.row(&mut out, &fit.name(), cells, &fit.residuals, fit.rms);
             if !fit.converged {
-                out += "    did not settle\n";
+                out += "    did not converge\n";
             }
         }
         out += "\nsimulated over measured force, minus one; +-: interval of 95 % confidence (Student's t, to first order)\n";
-        out +=
-            "edge: held by the end of its range; no +-: no interval, for as many parameters as points, or at an edge\n";
+        out += "edge: at the end of its range; no +-: no interval, because there are as many parameters as points or \
+            the value is at an edge\n";
         let ranges = Parameter::ALL.iter().zip(self.ranges).map(|(p, [low, high])| {
             let (name, scale) = p.shown_as();
             format!("{name} {} to {}", shown(low * scale), shown(high * scale))
@@ -201,13 +201,16 @@ impl FitReport {
     /// Names the parameter that explains the deviation.
     fn verdict(&self) -> String {
         let Some(explains) = self.explains else {
-            return "the scene meets the table: there is nothing to explain\n".into();
+            return "the scene agrees with the table: there is no deviation to explain\n".into();
         };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
         let shares: Vec<String> =
             singles.map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained(f))).collect();
-        let mut text =
-            format!("{} explains most of the miss alone; of its squares: {}\n", explains.words(), shares.join(", "));
+        let mut text = format!(
+            "{} alone explains most of the deviation; fractions of its sum of squares: {}\n",
+            explains.words(),
+            shares.join(", ")
+        );
         for fit in [1, 2, 4].into_iter().filter_map(|count| self.best(count)) {
             let _ = writeln!(
                 text,

@@ -62,8 +62,10 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
         }
     }
     if turned > 0 {
-        notices
-            .push(format!("turned {turned} of {} that had negative volume", counted(mesh.tets.len(), "tetrahedron")));
+        notices.push(format!(
+            "reoriented {turned} of {} that had negative volume",
+            counted(mesh.tets.len(), "tetrahedron")
+        ));
     }
     refuse_flat(mesh)?;
     surface::refuse_non_manifold(mesh)?;

@@ -86,7 +86,7 @@ pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
     let tets: Vec<String> = group.iter().take(6).map(|g| g.1.to_string()).collect();
     let what = if group.len() > 2 { "; at most 2 are allowed" } else { " on the same side of it" };
     Err(Error::Mesh(format!(
-        "the face of nodes {:?} at {} is shared by {} tetrahedra ({}){what}: the mesh overlaps itself or holds a \
+        "the face of nodes {:?} at {} is shared by {} tetrahedra ({}){what}: the mesh overlaps itself or contains a \
          tetrahedron twice",
         group[0].0,
         show(corners.iter().sum::<glam::DVec3>() / 3.0),

@@ -66,8 +66,8 @@ impl Bonding {
                     let nearest = beyond.iter().copied().fold(f64::INFINITY, f64::min);
                     let what = if matches!(self, Bonding::Plane { .. }) { "plane" } else { "surface" };
                     return Err(Error::Mesh(format!(
-                        "no node of the pad is glued to the finger: of its {} nodes the nearest is {} m away from the {what}, and nodes within \
-                         {} m are taken",
+                        "no node of the pad is bonded to the finger: the nearest of its {} nodes is {} m from the \
+                         {what}, and nodes within {} m are bonded",
                         mesh.nodes.len(),
                         shown(nearest),
                         shown(*within)
@@ -78,10 +78,13 @@ impl Bonding {
         };
         match bonded.iter().filter(|b| **b).count() {
             0 => Err(Error::Mesh(
-                "no node of the pad is glued to the finger; give a distance within which nodes are taken, or a list of nodes".into(),
+                "no node of the pad is bonded to the finger; give a distance within which nodes are bonded, or a list \
+                 of nodes"
+                    .into(),
             )),
             n if n == bonded.len() => Err(Error::Mesh(format!(
-                "all {n} nodes of the pad are glued to the finger: nothing could deform; reduce the distance or the list"
+                "all {n} nodes of the pad are bonded to the finger, so that it cannot deform; reduce the distance or \
+                 the list"
             ))),
             _ => Ok(bonded),
         }
@@ -112,7 +115,7 @@ fn listed(list: &[usize], count: usize) -> Result<Vec<bool>> {
     let mut bonded = vec![false; count];
     for i in list {
         let Some(flag) = bonded.get_mut(*i) else {
-            let message = format!("glued node index {i} is outside the mesh; allowed: 0..={}", count - 1);
+            let message = format!("bonded node index {i} is outside the mesh; allowed: 0..={}", count - 1);
             return Err(Error::Mesh(message));
         };
         *flag = true;

@@ -51,7 +51,8 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
         .collect();
     if face.is_empty() {
         return Err(Error::Mesh(format!(
-            "no free face of the pad looks along outward = {}; check its direction and that the sensing face is not glued",
+            "no free face of the pad faces along outward = {}; check its direction and that the sensing face is not \
+             bonded",
             vector(placement.outward)
         )));
     }
@@ -108,7 +109,7 @@ pub fn read_pad_group(
     let mut placement = placement.clone();
     if let Some(list) = listed {
         if let Some(i) = list.iter().find(|i| **i >= count) {
-            let message = format!("glued node index {i}, but the mesh has {count} nodes; allowed: 0..={}", count - 1);
+            let message = format!("bonded node index {i}, but the mesh has {count} nodes; allowed: 0..={}", count - 1);
             return Err(Error::file(path, message));
         }
         // Nodes that were removed as unused are omitted.
@@ -155,8 +156,8 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
             }
             Some(s) if *s => {
                 let message = format!(
-                    "node index {value} stands twice; give each glued node once, or one 0 or 1 for each of the {count} \
-                     nodes (found {} numbers)",
+                    "node index {value} occurs twice; give each bonded node once, or one 0 or 1 for each of the \
+                     {count} nodes (found {} numbers)",
                     values.len()
                 );
                 return Err(text::at(path, *word, message));
@@ -165,7 +166,7 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
         }
     }
     if values.is_empty() {
-        return Err(Error::file(path, "the list of glued nodes is empty"));
+        return Err(Error::file(path, "the list of bonded nodes is empty"));
     }
     Ok((0..count).filter(|i| seen[*i]).collect())
 }

@@ -22,16 +22,13 @@ pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     held(mesh, bonded)?;
     let (mut boundary, _) = surface::boundary_mesh(mesh);
     if let Some(fault) = overlaps(&boundary).complaint(&boundary) {
-        return Err(Error::Mesh(format!(
-            "the pad overlaps itself: {fault}, or keep one copy of what stands in the file twice"
-        )));
+        return Err(Error::Mesh(format!("the pad overlaps itself: {fault}, or remove duplicates from the file")));
     }
     // Every shell bounds gel from outside or a cavity from inside; one with the wrong orientation lies inside other
     // gel.
     if orient(&mut boundary).any() {
         return Err(Error::Mesh(
-            "the pad overlaps itself: a part of it lies inside another; keep one copy of what stands in the file twice"
-                .into(),
+            "the pad overlaps itself: a part of it lies inside another; remove duplicates from the file".into(),
         ));
     }
     Ok(())
@@ -133,14 +130,12 @@ fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
         format!("a part of {tets} of {} about {place}", mesh.tets.len())
     };
     let (how, cure) = match loose.count {
-        0 => {
-            ("shares no node with the finger or with what it holds: it would fly off", "remove it, or join or bond it")
-        }
+        0 => ("is not connected to the finger: it could move freely", "remove it, or join or bond it"),
         1 => (
-            "is held at one node and can turn about it",
+            "is held at one node and can rotate about it",
             "bond at least three nodes off a line, such as all of its back",
         ),
-        _ => ("is held along a line and can turn about it", "bond nodes off that line, such as all of its back"),
+        _ => ("is held along a line and can rotate about it", "bond nodes off that line, such as all of its back"),
     };
     Err(Error::Mesh(format!("{what} {how}; {cure}")))
 }

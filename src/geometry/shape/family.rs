@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 /// Generated object; lengths in metres. It is centred at the origin with its axis along z unless stated otherwise.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs, reason = "the fields are named after what they are, and documented where they are used")]
+#[allow(missing_docs, reason = "the names of the fields describe them, and they are documented where they are used")]
 pub enum ShapeKind {
     /// Sphere, see [`generate::sphere()`].
     Sphere { radius: f64 },

@@ -78,7 +78,7 @@ impl Overlaps {
             "two parts of the surface overlap"
         };
         Some(format!(
-            "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that made it",
+            "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that created it",
             triangles[0],
             triangles[1],
             show(place)

@@ -69,7 +69,8 @@ impl Shape {
         let size = self.aabb.size().max_element();
         if !(size <= CELLS * radius) {
             return Err(Error::Mesh(format!(
-                "a radius of {radius:e} m takes more than {CELLS} cells along the {}, which is {size:.3} m long; write at least {:.1e} m",
+                "a radius of {radius:e} m needs more than {CELLS} cells along the {}, which is {size:.3} m long; write \
+                 at least {:.1e} m",
                 self.name,
                 size / CELLS
             )));

@@ -19,9 +19,9 @@ pub fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
         Err(Error::Mesh(fault)) if mend => {
             let (mesh, news) = repair(mesh)?;
             let fault = fault.split(';').next().unwrap_or_default();
-            Ok((mesh, [vec![format!("repaired, for {fault}")], news].concat()))
+            Ok((mesh, [vec![format!("repaired: {fault}")], news].concat()))
         }
-        Err(Error::Mesh(fault)) => Err(Error::Mesh(format!("{fault}, or let `repair: true` do it"))),
+        Err(Error::Mesh(fault)) => Err(Error::Mesh(format!("{fault}, or set `repair: true`"))),
         Err(other) => Err(other),
     }
 }
@@ -36,14 +36,11 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
         ));
     }
     if pairs > 0 {
-        news.push(format!(
-            "dropped {} of triangles back to back, between which there is nothing",
-            counted(pairs, "pair")
-        ));
+        news.push(format!("dropped {} of coincident triangles with opposite normals", counted(pairs, "pair")));
     }
     let odd = orient_consistently(mesh);
     if odd > 0 {
-        news.push(format!("turned {} that disagreed with its neighbours", counted(odd, "triangle")));
+        news.push(format!("reversed {} that disagreed with its neighbours", counted(odd, "triangle")));
     }
     let edges = watertight(mesh);
     if [&edges.open, &edges.crowded, &edges.twisted].iter().any(|f| f.count > 0) {
@@ -56,11 +53,14 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let turned = orient(mesh);
     let parts = shells(mesh).len();
     if turned.outward > 0 {
-        news.push(format!("turned {} of {parts} closed parts of the surface, which were inside out", turned.outward));
+        news.push(format!(
+            "reversed {} of {parts} closed parts of the surface, which were oriented inward",
+            turned.outward
+        ));
     }
     if turned.inward > 0 {
         news.push(format!(
-            "turned {} of {parts} closed parts of the surface inward: they lie inside others and bound hollows",
+            "oriented {} of {parts} closed parts of the surface inward: they are inside others and bound cavities",
             turned.inward
         ));
     }

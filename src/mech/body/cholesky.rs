@@ -32,7 +32,8 @@ impl Symbolic {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let failed = |why: String| format!("symbolic factorisation of {n} unknowns failed: {why}; use a coarser mesh");
+        let failed =
+            |why: String| format!("the symbolic factorisation of {n} unknowns failed: {why}; use a coarser mesh");
         let analysis = factorize_symbolic_cholesky(a, Side::Upper, SymmetricOrdering::Identity, params);
         Self::supernodal(analysis.map_err(|e| failed(format!("{e:?}")))?).map_err(failed)
     }

@@ -24,7 +24,7 @@ pub fn locking_notice(body: &Body) -> Option<String> {
         }
         Elements::Quadratic(_) => return None,
     };
-    Some(format!("locked at nu = {nu}: {what}; use element: Quadratic with mean_dilatation: true"))
+    Some(format!("volumetric locking at nu = {nu}: {what}; use element: Quadratic with mean_dilatation: true"))
 }
 
 #[cfg(test)]
@@ -47,7 +47,7 @@ mod tests {
             locking_notice(&Body::new(nodes, elements, fixed, Arc::new(NeoHookean::new(1.0, nu)), true))
         };
         let text = notice(false, 0.49).expect("a notice");
-        assert!(text.starts_with("locked at nu = 0.49: linear tetrahedra: forces can be tens"), "{text}");
+        assert!(text.starts_with("volumetric locking at nu = 0.49: linear tetrahedra: forces can be tens"), "{text}");
         assert!(text.ends_with("use element: Quadratic with mean_dilatation: true"), "{text}");
         assert!(notice(false, 0.4).is_some());
         assert_eq!([notice(false, 0.39), notice(true, 0.49), notice(true, 0.4)], [None, None, None]);

@@ -121,7 +121,7 @@ impl EdgePool {
     pub fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
         let edges: Vec<(usize, EdgeState)> = history.read()?;
         if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
-            return Err(Error::Start("the saved state has contact edges that the scene lacks".into()));
+            return Err(Error::Start("the saved state has contact edges that the scene does not have".into()));
         }
         self.set(&edges);
         Ok(())

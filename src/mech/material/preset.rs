@@ -30,7 +30,7 @@ pub const PRESETS: [GelPreset; 3] = [
         young: 5.0e5,
         poisson: 0.4,
         density: 1000.0,
-        source: "values taken by users of the tactile grasp data set of DefGraspNets-like networks",
+        source: "values used with the tactile grasp data set of networks like DefGraspNets",
     },
     GelPreset {
         name: "biotac",

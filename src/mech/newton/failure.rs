@@ -47,17 +47,18 @@ impl fmt::Display for Failure {
             Failure::Iterations(r) => write!(f, "no equilibrium within the iteration limit (residual {r:.1e} N)"),
             Failure::LineSearch(r) => write!(f, "line search: no step lowers the energy (residual {r:.1e} N)"),
             Failure::Corrections(e) => {
-                write!(f, "the corrections of the condensed pads do not settle (error {e:.1e})")
+                write!(f, "the corrections of the condensed pads do not converge (error {e:.1e})")
             }
-            Failure::Bent(error) => write!(f, "the path bends {error:.1} times as far as one increment may"),
-            Failure::Lost => f.write_str("a finger closes on nothing: the object was squeezed out"),
-            Failure::Astray => f.write_str("the object moves too far to count as held"),
+            Failure::Bent(error) => write!(f, "the path error of one increment is {error:.1} times its tolerance"),
+            Failure::Lost => f.write_str("a finger closes without contact: the object was squeezed out"),
+            Failure::Astray => f.write_str("the object moves farther than a held object may"),
             Failure::Effort(most) => write!(
                 f,
-                "no equilibrium within {most} Newton iterations, the most that a grasp of so many steps, or a step of an agent, may take"
+                "no equilibrium within {most} Newton iterations, the limit for a grasp with this number of steps or \
+                 for a step of an agent"
             ),
             Failure::Time(seconds) => {
-                write!(f, "no equilibrium within the {seconds} s of wall time that a grasp may take")
+                write!(f, "no equilibrium within {seconds} s of wall time, the limit for a grasp")
             }
             Failure::Interrupted => f.write_str("interrupted"),
             Failure::Unsettled => f.write_str("the object keeps rolling or sliding and does not come to rest"),

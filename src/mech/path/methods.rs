@@ -31,13 +31,13 @@ impl Methods {
     pub fn counts(&self) -> [(&'static str, u64); 8] {
         [
             ("increments", self.increments),
-            ("bent too far", self.bent),
+            ("rejected for their path error", self.bent),
             ("halved", self.halved),
-            ("with friction frozen", self.frozen),
+            ("with frozen friction", self.frozen),
             ("with projected stiffness", self.projected),
-            ("in pseudo-time", self.pseudo_transient),
-            ("condensed anew", self.condensed_anew),
-            ("gone on whole", self.whole),
+            ("with pseudo-transient continuation", self.pseudo_transient),
+            ("recondensed", self.condensed_anew),
+            ("fallen back to full pads", self.whole),
         ]
     }
 }

@@ -36,8 +36,8 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[Pose]) -> O
         return None;
     }
     Some(format!(
-        "{}: of {looked_at} grasps looked at, {miss} miss the object and {inside} start inside it; if the file orders \
-         quaternions x y z w, or its hand closes along another axis, say so in the scene: \
+        "{}: of {looked_at} checked grasps, {miss} miss the object and {inside} start inside it; if the file orders \
+         quaternions x y z w, or its hand closes along another axis, set this in the scene: \
          `convention: (quaternion: Xyzw, closing: Y, approach: Z)`",
         file.path.display()
     ))

@@ -48,8 +48,8 @@ impl Rejection {
     /// Returns the reason in words.
     pub fn reason(self) -> &'static str {
         match self {
-            Self::OutsideCone => "opposite normal outside the cone",
-            Self::Hidden => "behind another part of the object",
+            Self::OutsideCone => "opposite normal outside the friction cone",
+            Self::Hidden => "occluded by another part of the object",
             Self::TooWide => "too wide for the opening",
             Self::TooThin => "out of the fingers' stroke",
             Self::Palm => "palm collides",

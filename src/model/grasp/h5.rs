@@ -60,20 +60,18 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<Pose>> {
     };
     let rows = shape[0];
     if rows > ROW_LIMIT {
-        return Err(fail(format!("dataset `{name}` claims {rows} grasps; at most {ROW_LIMIT} are read")));
+        return Err(fail(format!("dataset `{name}` declares {rows} grasps; at most {ROW_LIMIT} are allowed")));
     }
     if let Some(chunk) = chunk_bytes(&dataset).filter(|bytes| *bytes > SIZE_LIMIT) {
         let most = SIZE_LIMIT >> 20;
-        return Err(fail(format!("dataset `{name}` has chunks of {} MiB; at most {most} are unpacked", chunk >> 20)));
+        return Err(fail(format!("dataset `{name}` has chunks of {} MiB; at most {most} are allowed", chunk >> 20)));
     }
     let values = dataset.read_f64().map_err(unreadable)?;
     if values.is_empty() && rows > 0 {
-        return Err(fail(format!(
-            "dataset `{name}` holds numbers of a type that is not read; allowed: float64, float32"
-        )));
+        return Err(fail(format!("dataset `{name}` has numbers of an unsupported type; allowed: float64, float32")));
     }
     if values.len() as u64 != rows * width {
-        return Err(fail(format!("dataset `{name}` holds {} numbers instead of {rows} x {width}", values.len())));
+        return Err(fail(format!("dataset `{name}` contains {} numbers instead of {rows} x {width}", values.len())));
     }
     let turn = DQuat::from_mat3(&file.convention.from_hand());
     let read = |row: &[f64]| -> std::result::Result<Pose, String> {
@@ -111,7 +109,7 @@ pub fn object_scale(path: &Path) -> Result<Option<Positive>> {
     }
     let values = dataset.read_f64().map_err(|e| fail(format!("cannot be read: {e}; {REWRITE}")))?;
     let [value] = values[..] else {
-        return Err(fail("holds a number of a type that is not read; allowed: float64, float32".into()));
+        return Err(fail("is a number of an unsupported type; allowed: float64, float32".into()));
     };
     Positive::new(value).map(Some).map_err(fail)
 }
@@ -205,7 +203,7 @@ fn from_matrix(v: &[f64]) -> std::result::Result<Pose, String> {
         .fold(0.0, |m: f64, x| m.max(x.abs()));
     if off > 2.0 * UNIT_SLACK {
         return Err(format!(
-            "the matrix's rotation is not orthonormal: off by {off:.2e}, at most {:e} is allowed",
+            "the matrix's rotation is not orthonormal: its error is {off:.2e}, at most {:e} is allowed",
             2.0 * UNIT_SLACK
         ));
     }

@@ -69,12 +69,13 @@ pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
     match object.scale {
         Some(own) if own == scale => {}
         Some(own) => notices.push(format!(
-            "{path}: the grasps are those of the object at `object/scale` {stated}, and the scene has it at `scale: {}`",
+            "{path}: the grasps belong to the object at `object/scale` {stated}, but the scene sets `scale: {}`",
             shown(own.get())
         )),
         None => {
             notices.push(format!(
-                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` in the scene's object takes its place"
+                "{path}: the object is scaled by the file's `object/scale`, {stated}; `scale` of the object in the \
+                 scene overrides it"
             ));
             object.scale = Some(scale);
         }
@@ -105,7 +106,7 @@ pub fn keep_first(grasps: &mut Grasps, most: GraspCount) -> Result<()> {
 fn from_file(file: &GraspFile) -> Result<Vec<Pose>> {
     let all = read_grasp_file(file)?;
     if all.is_empty() {
-        return Err(Error::file(&file.path, "holds no grasp"));
+        return Err(Error::file(&file.path, "contains no grasp"));
     }
     let Some(select) = &file.select else { return Ok(all) };
     let pick = |row: usize| {

@@ -76,15 +76,15 @@ pub fn with_contact_surface(
     let name = &shape.name;
     notices.push(match &shape.definition {
         SurfaceDefinition::Smooth(smooth) => format!(
-            "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm: off by {} mm at most, \
-             {} mm rms; `surface: Faceted` keeps the facets",
+            "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm; \
+             its deviation from the mesh is at most {} mm, {} mm rms; `surface: Faceted` keeps the facets",
             shown(1e3 * smooth.level.spacing()),
             shown(rounded(1e3 * smooth.largest, 2)),
             shown(rounded(1e3 * smooth.rms, 2)),
         ),
         _ => {
             let why = why.map_or_else(String::new, |why| format!(": {why}"));
-            format!("the {name} is its surface mesh of {count} triangles, facets included{why}")
+            format!("the {name} is its faceted surface mesh of {count} triangles{why}")
         }
     });
     Ok(shape)
@@ -105,7 +105,8 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
         }
         let (unit, factor) = if size < 5.0 { ("centimetres", 1e-2) } else { ("millimetres", 1e-3) };
         return Err(Error::Mesh(format!(
-            "the object is {} m wide, at most {LENGTH_LIMIT} m is simulated: is the file in {unit}? then write `scale: {:e}`",
+            "the object is {} m wide, but at most {LENGTH_LIMIT} m is allowed: if the file is in {unit}, write `scale: \
+             {:e}`",
             (size * 1e3).round() / 1e3,
             scale * factor
         )));
@@ -182,8 +183,8 @@ pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {
         return Err(Error::Mesh(format!(
-            "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most {MAX_FEATURES} are held \
-             against a pad: simplify its mesh, or write a larger `spacing`",
+            "the {} has {count} vertices and points on edges at the pad's spacing of {spacing:.2e} m, at most \
+             {MAX_FEATURES} are allowed: simplify its mesh, or write a larger `spacing`",
             shape.name
         )));
     }

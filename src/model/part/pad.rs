@@ -118,7 +118,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
     let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
     if quality.worst < POOR {
         notices.push(format!(
-            "the pad's tetrahedron {} (0-based) is poor: mean ratio {:.3} at {:.6}",
+            "the pad's tetrahedron {} (0-based) has poor quality: mean ratio {:.3} at {:.6}",
             quality.worst_index, quality.worst, quality.worst_centroid
         ));
     }

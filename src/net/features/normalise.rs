@@ -84,10 +84,10 @@ impl Normaliser {
         }
         let plain = |v: &f32| v.is_finite() && f64::from(v.abs()) <= MOST;
         if let Some(bad) = self.mean.iter().find(|v| !plain(v)) {
-            return Err(format!("`normalisers.{name}.mean` holds {bad}; allowed: up to {MOST:e}"));
+            return Err(format!("`normalisers.{name}.mean` contains {bad}; allowed: up to {MOST:e}"));
         }
         if let Some(bad) = self.scale.iter().find(|v| !plain(v) || **v < 0.0) {
-            return Err(format!("`normalisers.{name}.scale` holds {bad}; allowed: 0 to {MOST:e}"));
+            return Err(format!("`normalisers.{name}.scale` contains {bad}; allowed: 0 to {MOST:e}"));
         }
         // The bounds of an older card are infinite.
         let bounds =

@@ -127,14 +127,15 @@ impl TrainedRange {
         if let Some(pads) = &self.pads {
             let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
             return Some(format!(
-                "the {name} of its pads is {value:.3} times their thickness, trained was {low:.3} to {high:.3}"
+                "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to \
+                 {high:.3}"
             ));
         }
         let own = Sensor::of(pad).to_string();
         let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
         let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
-        let alike = if own == known { ", at other places" } else { "" };
-        Some(format!("its pads are another sensor or another mesh: {own}; trained was {known}{alike}"))
+        let alike = if own == known { ", with nodes at other positions" } else { "" };
+        Some(format!("its pads are of another sensor or another mesh: {own}; the training data have {known}{alike}"))
     }
 
     /// Checks that a grasp of `model`, whose pads have a mesh with this hash, is of a supported kind and, unless it may
@@ -153,13 +154,13 @@ impl TrainedRange {
     /// Fails if all forces, or something else, are outside; the message states what, by how much, and what to do.
     pub fn admits_some(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         if !model.alike() {
-            return refuse("its two pads differ, the network knows pads that are alike".into());
+            return refuse("its two pads differ, the network supports only identical pads".into());
         }
         if model.dynamics.is_some() {
-            return refuse("it moves in time, the network knows squeezes at rest".into());
+            return refuse("its loading is dynamic, the network supports only quasi-static squeezes".into());
         }
         if !model.force_driven {
-            return refuse("it presses by travel, the network squeezes by force".into());
+            return refuse("its loading is a press to a travel, the network supports only squeezes to a force".into());
         }
         let kind = |(free, n): (bool, usize)| {
             format!("a {} object between {n} finger(s)", if free { "free" } else { "fixed" })
@@ -167,10 +168,14 @@ impl TrainedRange {
         let own = (model.free, model.fingers.len());
         if !self.kinds().contains(&own) {
             let known: Vec<String> = self.kinds().into_iter().map(kind).collect();
-            return refuse(format!("{}, trained was {}", kind(own), known.join(" and ")));
+            return refuse(format!("{}, the training data have {}", kind(own), known.join(" and ")));
         }
         if model.material.name() != self.material {
-            return refuse(format!("its gel is {}, trained was {}", model.material.name(), self.material));
+            return refuse(format!(
+                "its gel is {}, that of the training data {}",
+                model.material.name(),
+                self.material
+            ));
         }
         let none = || self.frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
         let outside = self.outside(model, hash).or_else(none);
@@ -203,7 +208,8 @@ impl TrainedRange {
         let rows: Vec<String> = rows.collect();
         let [low, high] = self.force.map(|f| f * unit);
         let verb = if outside.len() == 1 { "lies" } else { "lie" };
-        (!rows.is_empty()).then(|| format!("{} {verb} outside the trained {low:.4} to {high:.4} N", rows.join(" and ")))
+        (!rows.is_empty())
+            .then(|| format!("{} {verb} outside the training range of {low:.4} to {high:.4} N", rows.join(" and ")))
     }
 
     /// Returns a description of the first quantity other than the force that is outside the range for a grasp whose
@@ -218,18 +224,24 @@ impl TrainedRange {
             }
         };
         let [a, b] = self.poisson;
-        check(moduli.poisson, self.poisson, &|| format!("nu of its gel is {}, trained was {a} to {b}", moduli.poisson));
+        check(moduli.poisson, self.poisson, &|| {
+            format!("nu of its gel is {}, the training range is {a} to {b}", moduli.poisson)
+        });
         let ([a, b], own) = (self.friction, model.friction);
-        check(own, self.friction, &|| format!("friction is {own}, trained was {a} to {b}"));
+        check(own, self.friction, &|| format!("friction is {own}, the training range is {a} to {b}"));
         let (own, most) = (weight(model, unit), self.weight);
         check(own, [0.0, most], &|| {
-            format!("the object weighs {:.3} N, trained was up to {:.3} N", own * unit, most * unit)
+            format!("the object weighs {:.3} N, the training range ends at {:.3} N", own * unit, most * unit)
         });
         for ((own, most), (what, of, unit)) in
             push(model, unit, t).into_iter().zip(self.push).zip([("pushed", "N", unit), ("twisted", "N m", unit * t)])
         {
             check(own, [0.0, most], &|| {
-                format!("the object is {what} with {:.4} {of}, trained was up to {:.4} {of}", own * unit, most * unit)
+                format!(
+                    "the object is {what} with {:.4} {of}, the training range ends at {:.4} {of}",
+                    own * unit,
+                    most * unit
+                )
             });
         }
         all.into_iter().next()
@@ -257,7 +269,7 @@ impl TrainedRange {
         }
         let sizes = self.sensor.map(|s| [s.size[0], s.size[1], s.size[2], s.spacing]).unwrap_or_default();
         match sizes.iter().find(|v| !(0.0..=MOST).contains(*v)) {
-            Some(bad) => Err(format!("`range.sensor` holds {bad}; allowed: 0 to {MOST:e}")),
+            Some(bad) => Err(format!("`range.sensor` contains {bad}; allowed: 0 to {MOST:e}")),
             None => Ok(()),
         }
     }
@@ -266,15 +278,16 @@ impl TrainedRange {
 /// Returns the error about a scene that the network cannot answer.
 fn refuse(what: String) -> Result<()> {
     Err(Error::Start(format!(
-        "the network was not trained for this scene: {what}; use stepper: Fem(), or train on such a data set"
+        "the network was not trained for this scene: {what}; use stepper: Fem(), or train a network on a suitable data \
+         set"
     )))
 }
 
 /// Returns the error about a quantity outside the range, which can still be answered by extrapolation.
 fn untrained(what: String) -> Result<()> {
     Err(Error::Start(format!(
-        "the network was not trained for this scene: {what}; use stepper: Fem(), train on such a data set, or let it answer \
-         without knowing its error: extrapolate: true, --extrapolate"
+        "the network was not trained for this scene: {what}; use stepper: Fem(), train a network on a suitable data \
+         set, or allow predictions of unknown error: extrapolate: true, --extrapolate"
     )))
 }
 

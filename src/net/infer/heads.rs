@@ -73,7 +73,7 @@ impl Channels {
     pub fn channel<'a>(&self, item: &'a [f32], at: usize) -> Channel<'a> {
         let (node, k) = (at / self.depths, at % self.depths);
         let row = &item[node * self.width..(node + 1) * self.width];
-        let displacement = row[self.first + 6 * k..].first_chunk().expect("six numbers to a depth");
+        let displacement = row[self.first + 6 * k..].first_chunk().expect("six numbers per depth");
         Channel { stress: [row[3 + k], row[3 + self.depths + k]], displacement }
     }
 }

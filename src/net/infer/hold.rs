@@ -34,6 +34,6 @@ pub fn hold(model: &Model, touch: &GeometricContact, state: &GraspState, load: &
 /// Returns why a grasp with this [`hold`] is dropped; None if it is not.
 pub fn slip(hold: f64) -> Option<String> {
     let part = 100.0 * (1.0 - hold);
-    let message = "of what friction holds by the predicted pressure";
+    let message = "of the friction limit at the predicted pressure";
     (hold < 0.0).then(|| format!("the object slips: weight and push are {part:.0} % {message}"))
 }

@@ -90,7 +90,7 @@ impl Predictor {
         let path = model.join(WEIGHTS);
         parameters.load(&weights, &path)?;
         if parameters.count() != card.parameters {
-            let message = format!("holds {} numbers, the card beside it says {}", parameters.count(), card.parameters);
+            let message = format!("contains {} numbers, but its card declares {}", parameters.count(), card.parameters);
             return Err(Error::file(path, message));
         }
         Ok(Self::of(card, network, parameters))
@@ -146,8 +146,8 @@ impl Predictor {
         }
         let outside = range.outside(model, &hash).into_iter().chain(range.forces_outside(model));
         let outside = outside.map(|what| match extrapolate {
-            true => format!("outside the range of its training the error of the network is unknown: {what}"),
-            false => format!("{what}: the network has no answer; `extrapolate` gives one whose error is unknown"),
+            true => format!("the error of the network is unknown outside the range of its training data: {what}"),
+            false => format!("{what}: the network gives no prediction; `extrapolate` allows one of unknown error"),
         });
         outside.chain(self.card.unknown_error()).collect()
     }
@@ -278,7 +278,7 @@ impl Predictor {
             }
             Some(bad) => {
                 let force = given[bad].force;
-                Err(Error::Solver(format!("the network gave numbers that are not finite at {force} N per finger")))
+                Err(Error::Solver(format!("the network predicted values that are not finite at {force} N per finger")))
             }
         }
     }

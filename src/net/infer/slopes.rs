@@ -160,10 +160,12 @@ impl SceneInputs {
             return refused(format!("a force of {bad} N; numbers above 0 are needed"));
         }
         if self.model.push.is_some() && given != loads {
-            return refused(format!("{given} forces for a scene whose push makes {loads} loads; give one for each"));
+            return refused(format!(
+                "{given} forces for a scene whose push has {loads} loads; give one force for each"
+            ));
         }
         if !(grip.friction.is_finite() && grip.friction >= 0.0) {
-            return refused(format!("a friction of {}; a number from 0 on is needed", grip.friction));
+            return refused(format!("a friction of {}; a number of 0 or above is needed", grip.friction));
         }
         let levels = grip.force.iter().map(|force| force / fingers).collect();
         let model = self.model.under(&self.loading, levels, grip.friction);
@@ -197,7 +199,10 @@ impl SceneInputs {
             GripChange::Force => 1.0,
             GripChange::Friction if grip.friction > 0.0 => grip.friction,
             GripChange::Friction => {
-                return Err(Error::Start("no derivative by a friction of 0; give one above".into()));
+                return Err(Error::Start(
+                    "there is no derivative with respect to friction at a friction of 0; give a positive friction"
+                        .into(),
+                ));
             }
             GripChange::Position(_) => self.graph.thickness,
             GripChange::Rotation(_) => {
@@ -222,7 +227,8 @@ fn face_alone(card: &Card, model: &Path) -> Result<()> {
     match card.spec.network {
         NetworkSpec::Face(_) => Ok(()),
         NetworkSpec::Paper(_) => {
-            let what = "holds the paper's network; only a `Face` network runs in PyTorch: train one, or take the one that ships";
+            let what = "contains the paper's network; only a `Face` network runs in PyTorch: train one, or use the \
+                built-in one";
             Err(Error::file(model, what))
         }
     }

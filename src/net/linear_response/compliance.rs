@@ -52,7 +52,9 @@ impl Compliance {
         body.add_stiffness(&body.rest, true, &mut vec![DVec3::ZERO; body.rest.len()], &mut values);
         let mut factor = Factor::new(body.symbolic()?, COLUMNS);
         if !factor.factorize(pattern, &values) {
-            return Err(Error::Mesh("the pad has no stiffness at rest: is any of its nodes bonded?".into()));
+            return Err(Error::Mesh(
+                "the undeformed pad has no stiffness: check that some of its nodes are bonded".into(),
+            ));
         }
         let place = |node: usize| pattern.position[node] as usize;
         let held = |node: usize| place(node) >= free / 3;

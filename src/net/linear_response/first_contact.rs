@@ -72,7 +72,7 @@ impl GeometricContact {
                 Phase::Infeasible { reason } | Phase::Dropped { reason } | Phase::Fault { reason } => {
                     return Err(Error::Start(reason));
                 }
-                Phase::Done => return Err(Error::Start("the grasp ended before it began".into())),
+                Phase::Done => return Err(Error::Start("the grasp ended before its first step".into())),
                 Phase::Place | Phase::Close => {}
             }
         }

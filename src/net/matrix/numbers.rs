@@ -1,5 +1,5 @@
 //! Large constant arrays of f32, owned by this process or memory-mapped from a file.
-#![allow(unsafe_code, reason = "a file is mapped by a call that trusts nobody to write to it meanwhile")]
+#![allow(unsafe_code, reason = "mapping a file is unsafe because another process may write to it")]
 
 use memmap2::Mmap;
 use pulp::bytemuck::try_cast_slice;

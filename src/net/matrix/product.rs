@@ -7,7 +7,8 @@
 //! detected at run time.
 #![allow(
     unsafe_code,
-    reason = "the compiler does not see that all rows of a tile are as long; checks would fill its registers"
+    reason = "the compiler cannot infer that all rows of a tile have the same length; bounds checks would occupy its \
+        registers"
 )]
 
 use super::activation::{Act, activate};

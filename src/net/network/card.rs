@@ -99,11 +99,12 @@ impl Trained {
             }
         };
         // Cards of other versions have other fields, so the versions are read first.
-        let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
+        let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is not a model card: {e}")))?;
         if made.features != VERSION {
             let message = format!(
-                "its network was trained by tactus {} and reads features of version {}, this is tactus {} of version {VERSION}; train it \
-                 again with `tactus train`, on a data set made anew, or use what ships: {}",
+                "its network was trained by tactus {} with feature version {}, but this is tactus {} with feature \
+                 version {VERSION}; train it again with `tactus train`, on a new data set, or use a built-in network: \
+                 {}",
                 made.tactus,
                 made.features,
                 env!("CARGO_PKG_VERSION"),
@@ -111,19 +112,19 @@ impl Trained {
             );
             return Err(Error::file(&path, message));
         }
-        let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is no card of a model: {e}")))?;
+        let card: Card = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is not a model card: {e}")))?;
         let read = Self { card, weights };
         read.card
             .check()
-            .map_err(|what| Error::file(&path, format!("{what}; take the model from a copy, or train it again")))?;
+            .map_err(|what| Error::file(&path, format!("{what}; restore the model from a copy, or train it again")))?;
         read.sound(&path)
     }
 
     /// Returns the model if the checksum of card and weights is correct.
     fn sound(self, path: &Path) -> Result<Self> {
         if !self.card.checksum.is_empty() && self.card.sum(&self.weights)? != self.card.checksum {
-            let message = "this card or the weights beside it were changed or damaged since the training; take both from a copy, \
-                           or train again";
+            let message = "this card or its weights were changed or damaged after the training; restore both from a \
+                copy, or train again";
             return Err(Error::file(path, message));
         }
         Ok(self)
@@ -132,12 +133,14 @@ impl Trained {
 
 fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
     if let Some(name) = FORMER.iter().find(|name| model.file_name().is_some_and(|own| own == **name)) {
-        let message =
-            format!("{name:?} shipped with version 0.1; write the model that takes its place: {}", shipped::names());
+        let message = format!(
+            "{name:?} is a network of version 0.1; use the built-in network that replaces it: {}",
+            shipped::names()
+        );
         return Error::file(model, message);
     }
     let message = format!(
-        "cannot be read: {e}; a model is made by `tactus train DATASET --model M.ron -o {}`, and this ships: {}",
+        "cannot be read: {e}; a model is created by `tactus train DATASET --model M.ron -o {}`; built-in networks: {}",
         model.display(),
         shipped::names()
     );
@@ -166,8 +169,8 @@ impl Card {
         self.interval().is_none().then(|| {
             let kept = if self.kept > 0 { self.kept.to_string() } else { "fewer".into() };
             format!(
-                "the error of the network is unknown: it is found on {FEWEST} grasps or more that are kept from the training, and there \
-                 were {kept}; train on more grasps, or with a larger `validation`"
+                "the error of the network is unknown: its estimate needs at least {FEWEST} grasps that are not used \
+                 for training, and there were {kept}; train on more grasps, or with a larger `validation`"
             )
         })
     }

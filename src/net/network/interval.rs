@@ -126,7 +126,7 @@ impl Interval {
         let all = [("displacement", self.displacement), ("stress", self.stress), ("travel", self.travel)];
         match all.into_iter().find(|(_, bound)| !bound.is_finite()) {
             Some((name, bound)) => {
-                Err(format!("`interval.{name}` holds {bound:?}; allowed: finite numbers, a factor above 0"))
+                Err(format!("`interval.{name}` contains {bound:?}; allowed: finite numbers, a factor above 0"))
             }
             None => Ok(()),
         }

@@ -91,7 +91,7 @@ impl LayerNorm {
 /// finger.
 pub fn share<E: Real, T: Tape<E>>(x: Matrix<E, T>, size: usize) -> Matrix<E, T> {
     let shape = *x.shape();
-    assert!(shape.1 == 3 && shape.0.is_multiple_of(size), "shares are made of whole groups of three columns");
+    assert!(shape.1 == 3 && shape.0.is_multiple_of(size), "fractions need complete groups of three columns");
     let logits = x.clone().slice((.., 0..1)).reshape_like(&(shape.0 / size, size));
     let fractions = logits.softmax::<Axis<1>>().reshape_like(&(shape.0,)).broadcast_like::<_, Axis<1>>(&shape);
     let [tangential, normal] = [[0.0, 1.0, 1.0], [1.0, 0.0, 0.0]].map(row);

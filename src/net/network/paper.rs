@@ -121,7 +121,7 @@ impl PaperNetwork {
 /// Returns the graph of the full pads and its statistics, which always exist for this network.
 fn seen<'a, T>(inputs: &'a Inputs<T>) -> (&'a Volume, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
-    volume.zip(inputs.normalisers.volume.as_ref()).expect("features are made for the layout of the network")
+    volume.zip(inputs.normalisers.volume.as_ref()).expect("features have the layout of the network")
 }
 
 impl<E: Real> Network<E> for PaperNetwork {

@@ -124,9 +124,9 @@ impl Parameters {
     /// not finite.
     pub fn load(&mut self, bytes: &[u8], path: &Path) -> Result<()> {
         let fail = |message: String| Error::file(path, message);
-        let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is no safetensors file: {e}")))?;
+        let file = SafeTensors::deserialize(bytes).map_err(|e| fail(format!("is not a safetensors file: {e}")))?;
         if file.len() != self.names.len() {
-            return Err(fail(format!("holds {} tensors, the network has {}", file.len(), self.names.len())));
+            return Err(fail(format!("contains {} tensors, but the network has {}", file.len(), self.names.len())));
         }
         for (name, matrix) in self.names.iter().zip(&mut self.matrices) {
             let view = file.tensor(name).map_err(|_| fail(format!("has no tensor `{name}`")))?;
@@ -136,7 +136,7 @@ impl Parameters {
             }
             let value: Vec<f32> = view.data().as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
             if let Some(bad) = value.iter().find(|v| !v.is_finite()) {
-                return Err(fail(format!("`{name}` holds {bad}; weights must be finite")));
+                return Err(fail(format!("`{name}` contains {bad}; weights must be finite")));
             }
             matrix.copy_from(&value);
         }

@@ -84,7 +84,9 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
         return Ok(Left::Damaged(path));
     };
     if header.plan != plan {
-        return Err(fail("is of another training (data, split, model file or version differ); choose another folder"));
+        return Err(fail(
+            "belongs to another training (data, split, model file or version differ); choose another folder",
+        ));
     }
     let lengths = lengths(&like.parameters);
     let numbers: Vec<f32> = body[end + 1..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();

@@ -41,7 +41,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
     let objects: Vec<&str> = sets.iter().flat_map(|s| s.poses.train.keys()).map(String::as_str).collect();
     let objects = objects.join(", ");
     Err(Error::Argument(format!(
-        "--split {name}: there are poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
+        "--split {name}; allowed: poses, all, single:OBJECT and without:OBJECT; objects: {objects}"
     )))
 }
 

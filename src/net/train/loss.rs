@@ -20,7 +20,7 @@ pub fn root_error<E: Real, T: Tape<E>>(
     groups: usize,
 ) -> LossValue<E, T> {
     let (rows, cols) = *x.shape();
-    assert!(rows.is_multiple_of(groups), "groups are alike");
+    assert!(rows.is_multiple_of(groups), "groups have equal size");
     let target = matrix(rows, cols, target.into_iter().map(E::of).collect());
     let square = (x - target).square().sum::<(usize,), Axis<1>>() * row(weight);
     let square = square.reshape_like(&(groups, rows / groups)).sum::<(usize,), Axis<1>>();

@@ -77,7 +77,9 @@ impl Trainer {
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
         let (samples, range) = data::read(&all, &PadGraphs::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
-            return Err(Error::Start("training needs two grasps at least: one to learn from, one to stop by".into()));
+            return Err(Error::Start(
+                "training needs at least two grasps: one for training, one for early stopping".into(),
+            ));
         }
         let (samples, validation) = data::split_validation(samples, spec.training.validation.get(), spec.training.seed);
         let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
@@ -89,12 +91,12 @@ impl Trainer {
         match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
             Left::State(state) => trainer.state = *state,
             Left::Nothing | Left::Damaged(_) if dir.join(CARD).exists() => {
-                let message = "holds a trained model already; choose another folder, or remove this one";
+                let message = "already contains a trained model; choose another folder, or remove this one";
                 return Err(Error::file(dir, message));
             }
             Left::Nothing => {}
             Left::Damaged(path) => {
-                trainer.notices.push(format!("{}: is damaged; training starts afresh", path.display()));
+                trainer.notices.push(format!("{}: is damaged; training starts from the beginning", path.display()));
             }
         }
         Ok(trainer)
@@ -169,7 +171,8 @@ impl Trainer {
             if !loss.is_finite() || !norm.is_finite() {
                 let kept = self.state.epochs.len();
                 return Err(Error::Solver(format!(
-                    "the loss is not finite in epoch {number}; the {kept} epochs before it are kept in {}; lower `learning_rate`",
+                    "the loss is not finite in epoch {number}; the {kept} epochs before it are saved in {}; reduce \
+                     `learning_rate`",
                     self.dir.display()
                 )));
             }
@@ -184,7 +187,7 @@ impl Trainer {
         interrupt::check()?;
         if !validation.is_finite() {
             return Err(Error::Solver(format!(
-                "the validation loss is not finite in epoch {number}; lower `learning_rate`"
+                "the validation loss is not finite in epoch {number}; reduce `learning_rate`"
             )));
         }
         if state.best_epoch().is_none_or(|(_, best)| validation < best) {

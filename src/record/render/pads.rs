@@ -55,7 +55,7 @@ pub fn render_pads(
     let view = CutView { topologies, frame, scalar: style.scalar, range, object, cut: style.cut };
     view.draw(&mut page, &label, (VIEW_X.0, 150.0), (VIEW_X.1, 556.0));
     if style.cut {
-        let note = "hand frame, cut open through the middle of the pads";
+        let note = "hand frame, section through the middle of the pads";
         label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);
     }
     Ok(page)

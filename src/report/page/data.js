@@ -9,7 +9,7 @@ function unpack(packed) {
   const raw = bytesOf(packed.base64).buffer;
   const kinds = { i16: Int16Array, u16: Uint16Array, u32: Uint32Array };
   const whole = new kinds[packed.type](raw);
-  if (whole.length !== packed.shape.reduce((a, b) => a * b, 1)) throw new Error("an array has not the length of its shape");
+  if (whole.length !== packed.shape.reduce((a, b) => a * b, 1)) throw new Error("the length of an array does not match its shape");
   return packed.type === "i16" ? Float32Array.from(whole, (v) => v * packed.scale) : whole;
 }
 

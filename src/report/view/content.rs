@@ -46,7 +46,7 @@ impl Content {
 
     fn make(&self, state: &str) -> String {
         let note = match holds_results(&self.dir) {
-            false => "Nothing is here yet: the page fills as the first results are written.".into(),
+            false => "There are no results yet; the page shows them as soon as they are written.".into(),
             true => match report(std::slice::from_ref(&self.dir), &self.wishes).and_then(|page| page.live(state)) {
                 Ok(page) => return page,
                 Err(error) => error.to_string(),

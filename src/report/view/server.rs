@@ -45,7 +45,9 @@ impl Server {
     /// Fails if the port is in use or no thread can be started.
     pub fn start(port: u16, answer: impl Fn(&str) -> Option<Reply> + Send + Sync + 'static) -> Result<Self> {
         let cannot = |e: std::io::Error| {
-            Error::Argument(format!("cannot listen on 127.0.0.1:{port}: {e}; --port takes another, 0 any that is free"))
+            Error::Argument(format!(
+                "cannot listen on 127.0.0.1:{port}: {e}; --port selects another port, 0 any free one"
+            ))
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(cannot)?;
         let address = listener.local_addr().map_err(cannot)?;

@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// Advice for hands that are not parallel grippers.
 const SPELL_OUT: &str =
-    "such a hand is no parallel gripper; give opening, stroke and placement of the pads in place of robot";
+    "such a hand is not a parallel gripper; give opening, stroke and placement of the pads instead of robot";
 
 /// Finger: centre of its sensing face and its sliding joint, in hand axes.
 pub(super) struct Finger {
@@ -30,7 +30,8 @@ impl Finger {
         // The bound terminates the loop if the links form a cycle.
         for _ in 0..=tree.links.len() {
             if at == base {
-                let (direction, joint) = slides.ok_or_else(|| format!("does not slide on {hand:?}; {SPELL_OUT}"))?;
+                let (direction, joint) =
+                    slides.ok_or_else(|| format!("does not slide relative to {hand:?}; {SPELL_OUT}"))?;
                 let drive = tree.drive(joint).map_err(|reason| format!("slides without limits: {reason}"))?;
                 return Ok(Self { position: pose.translation, rotation: pose.matrix3, direction, drive });
             }
@@ -39,10 +40,12 @@ impl Finger {
                 (Mobility::Fixed, _) => {}
                 (Mobility::Slides { axis, joint }, None) => slides = Some((*axis, *joint)),
                 (Mobility::Slides { .. }, Some(_)) => {
-                    return Err(format!("slides on more than one joint on {hand:?}; {SPELL_OUT}"));
+                    return Err(format!("slides by more than one joint relative to {hand:?}; {SPELL_OUT}"));
                 }
                 (Mobility::Other(joint), _) => {
-                    return Err(format!("moves by a joint that does not slide on {hand:?}: {joint}; {SPELL_OUT}"));
+                    return Err(format!(
+                        "is connected to {hand:?} by a joint that does not slide: {joint}; {SPELL_OUT}"
+                    ));
                 }
             }
             pose = link.pose * pose;
@@ -50,7 +53,7 @@ impl Finger {
             let Some(parent) = link.parent else { break };
             at = parent;
         }
-        Err(format!("is not carried by {hand:?}"))
+        Err(format!("is not a descendant of {hand:?}"))
     }
 
     /// Returns the centre of the sensing face with the joint in the middle of its range, m.
@@ -113,7 +116,10 @@ pub(super) fn gripper(
     let (closing, [left, right]) = (closing(fingers, approach, deviation)?, fingers);
     let geared = left.drive.leader == right.drive.leader;
     if geared && left.gear(closing) * right.gear(closing) >= 0.0 {
-        return Err("one joint drives both fingers to the same side; the multiplier of one must change its sign".into());
+        return Err(
+            "one joint moves both fingers in the same direction; the multiplier of one must have the opposite sign"
+                .into(),
+        );
     }
     let [own, other] = [left.along(closing), right.along(closing)];
     let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
@@ -126,8 +132,8 @@ pub(super) fn gripper(
     let ([y, other_y], [z, other_z]) = (of(across), of(approach));
     if unequal && !geared {
         return Err(format!(
-            "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by as much within {PLACE} m, or follow one \
-             joint: {SPELL_OUT}"
+            "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by the same \
+             distance within {PLACE} m, or follow one joint: {SPELL_OUT}"
         ));
     }
     // With unequal travels the midpoint moves; if its range contains the middle of the hand, it is not offset.
@@ -141,8 +147,8 @@ pub(super) fn gripper(
     let off = [y - other_y, z - other_z, aside].map(whole);
     if off.iter().any(|length| length.abs() > PLACE) {
         return Err(format!(
-            "the pads do not face each other within {PLACE} m: in the hand they stand at y {y}, z {z} and y {other_y}, z {other_z} m, \
-             and {aside} m beside its middle along the closing direction; {SPELL_OUT}"
+            "the pads do not face each other within {PLACE} m: in the hand frame they are at y {y}, z {z} and y \
+             {other_y}, z {other_z} m, and {aside} m off its middle along the closing direction; {SPELL_OUT}"
         ));
     }
     deviation.add_places(&off);
@@ -153,8 +159,9 @@ pub(super) fn gripper(
     }
     let mean = whole(0.5 * (stroke + others));
     let notice = format!(
-        "one joint closes the fingers by {stroke} m and {others} m: they are taken as two that close by {mean} m each about their common \
-         middle, to which they bring a free object; in the hand that middle moves from {open} m to {closed} m along the closing direction"
+        "one joint closes the fingers by {stroke} m and {others} m: they are treated as two fingers that close by \
+         {mean} m each towards their midpoint, to which they move a free object; in the hand frame this midpoint moves \
+         from {open} m to {closed} m along the closing direction"
     );
     Ok((Mount { opening, stroke: mean, y, z }, Some(notice)))
 }

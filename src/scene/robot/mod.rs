@@ -62,7 +62,7 @@ pub fn mount(path: &Path, hand: &str, pads: [&str; 2], approach: DVec3) -> Resul
             let tree = mjcf::read(root, reader)?;
             Description { path, tree: &tree, elements: &[] }.mount(hand, pads, approach)
         }
-        _ => Err(root.error("is no description of a robot; allowed: <robot> of URDF, <mujoco> of MJCF")),
+        _ => Err(root.error("is not a robot description; allowed: <robot> of URDF, <mujoco> of MJCF")),
     })
 }
 

@@ -25,8 +25,8 @@ pub(super) fn file(path: &Path, element: &XmlElement) -> Result<PathBuf, String>
     roots.push(folder.to_path_buf());
     roots.iter().map(|root| root.join(inside)).find(|file| file.exists()).ok_or_else(|| {
         element.error(format_args!(
-            "names {name:?}, which is in no package {package:?} above {}, nor in ROS_PACKAGE_PATH; set that, or give a path from the folder \
-             of the description",
+            "refers to {name:?}, which is not found in a package {package:?} above {} or in ROS_PACKAGE_PATH; set \
+             ROS_PACKAGE_PATH, or give a path relative to the folder of the description",
             path.display()
         ))
     })

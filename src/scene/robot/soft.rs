@@ -81,7 +81,7 @@ fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usi
         pose = *own * pose;
         at = *parent;
     }
-    Err(elements[pad].error("is fixed to no link with a <collision> that its <fem> could be bonded to"))
+    Err(elements[pad].error("is not fixed to a link with a <collision> to which its <fem> could be bonded"))
 }
 
 /// Returns the collision surface of a link of the URDF at `path`, in link axes, m.
@@ -114,7 +114,7 @@ fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
             ShapeKind::Capsule { radius, length: length("length")? + 2.0 * radius }
         }
         "sphere" => ShapeKind::Sphere { radius: length("radius")? },
-        _ => return Err(of.error("is no geometry; allowed: mesh, box, cylinder, capsule, sphere")),
+        _ => return Err(of.error("is not a supported geometry; allowed: mesh, box, cylinder, capsule, sphere")),
     };
     let shape = kind.build(DEFAULT_SEGMENTS).map_err(|e| of.error(plain(&e)))?;
     Ok((*shape.surface).clone())
@@ -124,9 +124,7 @@ fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
 fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     let scale = of.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
     if scale.abs().min_element() == 0.0 {
-        return Err(
-            of.error(format_args!("has scale {scale}, which leaves no volume; each factor must differ from zero"))
-        );
+        return Err(of.error(format_args!("has scale {scale} and therefore no volume; each factor must be nonzero")));
     }
     let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| plain(&e))?;
     mesh.vertices.iter_mut().for_each(|x| *x *= scale);

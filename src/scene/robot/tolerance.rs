@@ -52,13 +52,13 @@ impl Deviation {
 
     /// Returns a notice about the deviations above rounding, if any.
     pub fn notice(&self) -> Option<String> {
-        let angle = format!("angles that are off by up to {:.1e} rad as parallel or square", self.angle);
-        let place = format!("pads that are off by up to {:.2} um as facing each other", self.place * 1e6);
+        let angle = format!("angles with errors of up to {:.1e} rad as parallel or perpendicular", self.angle);
+        let place = format!("pads with offsets of up to {:.2} um as facing each other", self.place * 1e6);
         let taken: Vec<String> = [(self.angle, angle), (self.place, place)]
             .into_iter()
             .filter(|(off, _)| *off > ROUNDING)
             .map(|(_, t)| t)
             .collect();
-        (!taken.is_empty()).then(|| format!("takes {}", taken.join(", ")))
+        (!taken.is_empty()).then(|| format!("treats {}", taken.join(", ")))
     }
 }

@@ -93,7 +93,7 @@ impl LinkTree {
             [a, b] if self.links[a].site != self.links[b].site => {
                 Err(format!("has a body and a site named {name:?}; write \"site:{name}\" or \"body:{name}\""))
             }
-            _ => Err(format!("has {} links named {name:?}; a name may stand for one", found.len())),
+            _ => Err(format!("has {} links named {name:?}; names must be unique", found.len())),
         }
     }
 
@@ -127,6 +127,6 @@ impl LinkTree {
             gear *= mimic.gear;
             leader = mimic.leader;
         }
-        Err(format!("joint {:?} follows joints that follow each other in a circle", self.joints[joint].name))
+        Err(format!("joint {:?} follows joints that form a cycle", self.joints[joint].name))
     }
 }

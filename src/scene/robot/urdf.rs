@@ -20,13 +20,13 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
     for (number, joint) in joints.iter().enumerate() {
         let end = |tag: &str| {
             let name = joint.child(tag).ok_or_else(|| joint.error(format_args!("has no <{tag}>")))?.needed("link")?;
-            let missing = || joint.error(format_args!("names the link {name:?}, which is not there"));
+            let missing = || joint.error(format_args!("refers to the link {name:?}, which does not exist"));
             links.get(name).copied().ok_or_else(missing)
         };
         let (parent, child) = (end("parent")?, end("child")?);
         if let Some(first) = tree.links[child].parent {
             let [own, first] = [child, first].map(|i| &tree.links[i].name);
-            return Err(joint.error(format_args!("carries the link {own:?}, which hangs on {first:?} already")));
+            return Err(joint.error(format_args!("has the child link {own:?}, which is already a child of {first:?}")));
         }
         let link = &mut tree.links[child];
         link.parent = Some(parent);
@@ -51,7 +51,7 @@ fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, S
     let mut numbers = HashMap::new();
     for (number, element) in elements.iter().enumerate() {
         if numbers.insert(element.needed("name")?, number).is_some() {
-            return Err(element.error("has the name of another one above; give each a name of its own"));
+            return Err(element.error("has the name of an earlier element; give each a unique name"));
         }
     }
     Ok(numbers)
@@ -73,7 +73,7 @@ fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
         "prismatic" => {
             let axis = joint.child("axis").map(|axis| axis.numbers("xyz")).transpose()?.flatten();
             let axis = DVec3::from_array(axis.unwrap_or([1.0, 0.0, 0.0]));
-            let unit = axis.try_normalize().ok_or_else(|| joint.error("has an <axis> of no length"))?;
+            let unit = axis.try_normalize().ok_or_else(|| joint.error("has an <axis> of zero length"))?;
             Ok(Mobility::Slides { axis: unit, joint: number })
         }
         kind => Ok(Mobility::Other(joint.error(format_args!("is {kind}")))),
@@ -82,7 +82,7 @@ fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
 
 fn follows(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
     let name = mimic.needed("joint")?;
-    let missing = || mimic.error(format_args!("names the joint {name:?}, which is not there"));
+    let missing = || mimic.error(format_args!("refers to the joint {name:?}, which does not exist"));
     let leader = *numbers.get(name).ok_or_else(missing)?;
     let (gear, offset) = (mimic.number("multiplier")?.unwrap_or(1.0), mimic.number("offset")?.unwrap_or(0.0));
     Ok(Mimic { leader, gear, offset })

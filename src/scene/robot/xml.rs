@@ -56,7 +56,7 @@ pub(super) struct XmlElement {
 
 impl XmlElement {
     fn new(tag: &BytesStart, at: usize, text: &Rc<XmlText>) -> Result<Self, String> {
-        let unreadable = |e: &dyn Display| text.error(at, format!("is no readable XML: {e}"));
+        let unreadable = |e: &dyn Display| text.error(at, format!("is not valid XML: {e}"));
         let mut attributes = Vec::new();
         for attribute in tag.attributes() {
             let attribute = attribute.map_err(|e| unreadable(&e))?;
@@ -117,7 +117,7 @@ impl XmlElement {
         let Some(attribute) = self.attribute(name) else { return Ok(None) };
         let number = |word: &str| {
             let parsed = word.parse().ok().filter(|v: &f64| v.is_finite());
-            parsed.ok_or_else(|| self.misspelt(attribute, format_args!("{word:?} is no number")))
+            parsed.ok_or_else(|| self.misspelt(attribute, format_args!("{word:?} is not a number")))
         };
         attribute.value.split_whitespace().map(number).collect::<Result<_, _>>().map(Some)
     }
@@ -150,7 +150,7 @@ impl XmlElement {
             (Some(angle), Some(attribute)) => {
                 let right = angle.to_radians();
                 let advice = format_args!("angles are in radians here, {angle} degrees are {right:.7}");
-                Err(self.misspelt(attribute, format_args!("{angle} is more than a turn: {advice}")))
+                Err(self.misspelt(attribute, format_args!("{angle} is more than a full turn: {advice}")))
             }
             _ => Ok(()),
         }
@@ -204,7 +204,7 @@ impl XmlReader {
         let text = String::from_utf8(bytes).map_err(|e| {
             let read = &e.as_bytes()[..e.utf8_error().valid_up_to()];
             let line = 1 + read.iter().filter(|byte| **byte == b'\n').count();
-            format!("{}:{line}: is no UTF-8 text; save it as UTF-8", path.display())
+            format!("{}:{line}: is not UTF-8 text; save it as UTF-8", path.display())
         })?;
         let root = parse(XmlText::new(path, text))?;
         self.chain.push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
@@ -229,11 +229,11 @@ fn parse(text: XmlText) -> Result<XmlElement, String> {
         let at = reader.buffer_position() as usize;
         let event = reader
             .read_event()
-            .map_err(|e| text.error(reader.error_position() as usize, format_args!("is no readable XML: {e}")))?;
+            .map_err(|e| text.error(reader.error_position() as usize, format_args!("is not valid XML: {e}")))?;
         let done = match event {
             Event::Start(tag) | Event::Empty(tag) if open.len() == DEPTH => {
                 let tag = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
-                return Err(text.error(at, format_args!("<{tag}> stands in more than {DEPTH} elements")));
+                return Err(text.error(at, format_args!("<{tag}> is nested in more than {DEPTH} elements")));
             }
             Event::Start(tag) => {
                 open.push(XmlElement::new(&tag, at, &text)?);
@@ -247,13 +247,13 @@ fn parse(text: XmlText) -> Result<XmlElement, String> {
         let Some(done) = done else { continue };
         match open.last_mut() {
             Some(parent) => parent.children.push(done),
-            None if root.is_some() => return Err(done.error("stands outside of the first element")),
+            None if root.is_some() => return Err(done.error("is outside of the root element")),
             None => root = Some(done),
         }
     }
     match (open.pop(), root) {
         (Some(element), _) => Err(element.error("is not closed")),
         (None, Some(root)) => Ok(root),
-        (None, None) => Err(text.error(0, "is no readable XML: it has no element")),
+        (None, None) => Err(text.error(0, "is not valid XML: it has no element")),
     }
 }

@@ -156,7 +156,7 @@ impl Universe {
         ];
         let field = |name: &str, message: &str| Some((format!("universe.{name}"), message.to_string()));
         if let Some((name, _)) = spans.iter().find(|(_, s)| s.0[0].get() > s.0[1].get()) {
-            return field(name, "the first number is the least, the second the most: (1, 10)");
+            return field(name, "the first number is the minimum, the second the maximum: (1, 10)");
         }
         if self.poisson.0[1].get() >= 0.5 {
             return field("poisson", "a gel has a Poisson's ratio below 0.5");
@@ -167,7 +167,7 @@ impl Universe {
         let parts = [("square", self.square), ("heavy", self.heavy), ("pushed", self.pushed), ("single", self.single)];
         let parts = parts.into_iter().chain([("pads.round", pads.round), ("pads.domed", pads.domed)]);
         let above = parts.clone().find(|(_, part)| part.get() > 1.0);
-        above.and_then(|(name, _)| field(name, "a part of the objects\nallowed: 0 to 1"))
+        above.and_then(|(name, _)| field(name, "a fraction of the objects\nallowed: 0 to 1"))
     }
 
     /// Returns the objects with their grasps, grippers and loads. Everything that is not drawn is taken from `gripper`;

@@ -241,7 +241,7 @@ impl Tally {
             Phase::Infeasible { reason } => (Status::Infeasible, Some(reason)),
             Phase::Dropped { reason } => (Status::Dropped, Some(reason)),
             Phase::Fault { reason } => (Status::Fault, Some(reason)),
-            other => (Status::Fault, Some(format!("ended in {other:?}, which is no end"))),
+            other => (Status::Fault, Some(format!("ended in {other:?}, which is not a final phase"))),
         };
         let mut summary = self.summary.unwrap_or_else(|| GraspSummary::new(status, None));
         summary.status = status;

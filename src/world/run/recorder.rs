@@ -82,7 +82,7 @@ impl RunRecorder {
         let lock = FolderLock::alone(dir, "tactus run")?;
         if dir.join("run.json").exists() {
             if !options.overwrite {
-                let message = "holds an earlier run; choose another output directory, or allow to overwrite it";
+                let message = "contains an earlier run; choose another output directory, or allow to overwrite it";
                 return Err(Error::file(dir, message));
             }
             remove_grasps(dir)?;

@@ -44,8 +44,8 @@ pub fn reject_pad_overlap(
         report.reached = false;
         next.request(Phase::Fault {
             reason: format!(
-                "the pads meet beside the object and would overlap by {:.3} mm at load {:.4e}: contact between the pads is \
-                 not modelled; use less force, smaller pads or a thicker object",
+                "the pads touch each other next to the object and would overlap by {:.3} mm at load {:.4e}: contact \
+                 between the pads is not modelled; use less force, smaller pads or a thicker object",
                 depth * 1e3,
                 load.level
             ),

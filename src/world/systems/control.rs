@@ -35,8 +35,8 @@ pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Ne
     if along > total {
         next.request(Phase::Infeasible {
             reason: format!(
-                "gravity pulls the object with {along:.3} N along the closing direction; fingers that squeeze it with \
-                 {total:.3} N together cannot hold that: raise the force, or turn the hand or gravity"
+                "gravity acts on the object with {along:.3} N along the closing direction; fingers that squeeze it \
+                 with {total:.3} N in total cannot support it: increase the force, or rotate the hand or gravity"
             ),
         });
     }

@@ -87,9 +87,8 @@ pub fn refuse_imbalance(
     }
     report.reached = false;
     let (level, off) = (load.level, 100.0 * balance.force);
-    let reason = format!(
-        "at load {level:.4e}: the forces are out of balance by {off:.0} % of the applied force: no equilibrium"
-    );
+    let reason =
+        format!("at load {level:.4e}: the out-of-balance force is {off:.0} % of the applied force: no equilibrium");
     next.request(Phase::Fault { reason });
 }
 

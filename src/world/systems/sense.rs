@@ -46,7 +46,8 @@ pub fn close_to_contact(
     if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
         let (t, stroke) = (t * 1e3, model.stroke * 1e3);
         let name = pad_name(index);
-        let reason = format!("the {name} finger would touch after {t:.1} mm, past its `stroke` of {stroke:.1} mm");
+        let reason =
+            format!("the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm");
         return next.request(Phase::Infeasible { reason });
     }
     if let Err(reason) = keep_apart(model, &travel) {
@@ -83,8 +84,8 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "the pads meet beside the object before both touch it and would overlap by {:.3} mm: contact between the pads is not \
-         modelled; use smaller pads, a thicker object or another grasp",
+        "the pads touch each other next to the object before both touch it and would overlap by {:.3} mm: contact \
+         between the pads is not modelled; use smaller pads, a thicker object or another grasp",
         depth * 1e3
     ))
 }
@@ -118,20 +119,21 @@ pub fn first_contact(model: &Model, index: usize, pose: &Pose, clearance: f64) -
     match met {
         Approach::Contact(travel) => Ok(travel),
         Approach::Overlap(depth) => Err(format!(
-            "the {name} pad overlaps the object by {:.2} mm in the open hand; widen `opening` ({:.1} mm) or move the grasp",
+            "the {name} pad overlaps the object by {:.2} mm in the open hand; increase `opening` ({:.1} mm) or move \
+             the grasp",
             depth * 1e3,
             model.opening * 1e3
         )),
         Approach::Misses => {
             let away = distance_from_middle(model, finger, pose);
             let place = if away > 0.0 {
-                format!("the object is {:.1} mm away from the point midway between the pads", away * 1e3)
+                format!("the object is {:.1} mm from the point midway between the pads", away * 1e3)
             } else {
-                "the point midway between the pads lies in the object".into()
+                "the point midway between the pads is inside the object".into()
             };
             Err(format!(
-                "the {name} finger meets nothing within its stroke of {:.1} mm: {place}; move the grasp (a pose by its `centre` gives that \
-                 point) or lengthen `stroke`",
+                "the {name} finger does not touch the object within its stroke of {:.1} mm: {place}; move the grasp \
+                 (`centre` of a pose sets this point) or increase `stroke`",
                 model.stroke * 1e3
             ))
         }

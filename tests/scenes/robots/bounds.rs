@@ -17,10 +17,10 @@ fn circles_and_files_that_are_none_are_refused_by_name() {
     let (a, b) = (include("b.xml"), "<mujoco><include file=\"a.xml\"/></mujoco>");
     refused(
         read(&[("a.xml", &a), ("b.xml", b)], "fr3_hand", PADS),
-        &["b.xml:1:9: <include>", "in a circle: a.xml -> b.xml -> a.xml"],
+        &["b.xml:1:9: <include>", "in a cycle: a.xml -> b.xml -> a.xml"],
     );
     let model = |file: &str| with(&format!("<asset><model name=\"m\" file=\"{file}\"/></asset>"));
-    refused(read(&[("a.xml", &model("a.xml"))], "fr3_hand", PADS), &["in a circle: a.xml -> a.xml"]);
+    refused(read(&[("a.xml", &model("a.xml"))], "fr3_hand", PADS), &["in a cycle: a.xml -> a.xml"]);
     refused(
         read(&[("a.xml", &include("none.xml"))], "fr3_hand", PADS),
         &["none.xml: cannot be read: no such file", "a.xml:"],
@@ -32,7 +32,7 @@ fn circles_and_files_that_are_none_are_refused_by_name() {
         &["b.xml:1:1:", "has no element"],
     );
     refused(read(&[("a.xml", "<mujoco><worldbody>")], "fr3_hand", PADS), &["a.xml:1:9: <worldbody> is not closed"]);
-    refused(read(&[("a.xml", "<mujoco></worldbody>")], "fr3_hand", PADS), &["a.xml:1:", "is no readable XML"]);
+    refused(read(&[("a.xml", "<mujoco></worldbody>")], "fr3_hand", PADS), &["a.xml:1:", "is not valid XML"]);
     let many = "<mujoco>".to_string() + &"<include file=\"b.xml\"/>".repeat(300) + "</mujoco>";
     refused(read(&[("a.xml", &many), ("b.xml", "<mujoco/>")], "fr3_hand", PADS), &["more than 256 files are included"]);
 }
@@ -66,7 +66,7 @@ fn includes_and_attached_models_that_multiply_end() {
         models.push((format!("{level}.xml"), format!("<mujoco>{asset}<worldbody>{attach}</worldbody></mujoco>")));
     }
     let last = ("12.xml".to_string(), "<mujoco><worldbody><body/></worldbody></mujoco>".to_string());
-    for (mut files, reason) in [(files, "more than 256 files are included"), (models, "links together")] {
+    for (mut files, reason) in [(files, "more than 256 files are included"), (models, "results in more than")] {
         files.push(last.clone());
         let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
         refused(read(&files, "fr3_hand", PADS), &[reason]);
@@ -77,17 +77,17 @@ fn includes_and_attached_models_that_multiply_end() {
 fn elements_that_stand_in_each_other_without_end_are_refused() {
     let nested = |tag: &str, count: usize| format!("<{tag}>").repeat(count) + &format!("</{tag}>").repeat(count);
     let bodies = with(&format!("<worldbody>{}</worldbody>", nested("body", 5_000)));
-    refused(read(&[("a.xml", &bodies)], "fr3_hand", PADS), &["a.xml:9:", "<body> stands in more than 256 elements"]);
+    refused(read(&[("a.xml", &bodies)], "fr3_hand", PADS), &["a.xml:9:", "<body> is nested in more than 256 elements"]);
     let urdf = std::fs::read_to_string(super::shipped("franka_gelsight.urdf")).unwrap();
     let tags = urdf.replace("</robot>", &format!("{}</robot>", nested("a", 30_000)));
-    refused(read(&[("a.urdf", &tags)], "fr3_hand", PADS), &["<a> stands in more than 256 elements"]);
+    refused(read(&[("a.urdf", &tags)], "fr3_hand", PADS), &["<a> is nested in more than 256 elements"]);
     // The nesting depths of a file and of one included in its innermost element add up.
     let deep = |file: &str| {
         format!("<mujoco>{}</mujoco>", nested("frame", 200).replacen("</", &format!("<include file=\"{file}\"/></"), 1))
     };
     let (main, inner) = (with("<include file=\"b.xml\"/>"), deep("c.xml"));
     let files = [("a.xml", main.as_str()), ("b.xml", &inner), ("c.xml", &nested("frame", 200))];
-    refused(read(&files, "fr3_hand", PADS), &["c.xml:1:", "<frame> stands in more than 256 elements"]);
+    refused(read(&files, "fr3_hand", PADS), &["c.xml:1:", "<frame> is nested in more than 256 elements"]);
 }
 
 /// A robot of 30,000 joints is read without a linear search for each name.

@@ -65,7 +65,7 @@ fn attached_models_frames_and_the_world_carry_fingers() {
     };
     measures(&load(r#"<attach model="h" body="palm" prefix="a_"/>"#, "a_palm").unwrap(), EXPECTED, 1e-12);
     measures(&load(r#"<attach model="h" prefix="a_"/>"#, "a_palm").unwrap(), EXPECTED, 1e-12);
-    refused(load(r#"<attach model="i" prefix="a_"/>"#, "a_palm"), &["g.xml:2:", "names the model \"i\""]);
+    refused(load(r#"<attach model="i" prefix="a_"/>"#, "a_palm"), &["g.xml:2:", "refers to the model \"i\""]);
     refused(load(r#"<attach model="h" body="p" prefix="a_"/>"#, "a_palm"), &["\"h\" has no link \"body:p\""]);
     // The hand is the world body; then a frame rotates the joint and the site of each finger.
     measures(&read(&[("g.xml", &world(FINGERS))], "world", PADS).unwrap(), EXPECTED, 1e-12);
@@ -88,7 +88,7 @@ fn classes_give_joints_and_sites_what_they_leave_out() {
     measures(&one(&text.replace(" class=\"wide\"/><", "/><")).unwrap(), [0.06, 0.03, 0.0, 0.11], 1e-12);
     refused(
         one(&text.replace("joint class=\"wide\"", "joint class=\"w\"")),
-        &["g.xml:6:", "the class \"w\", which is not there"],
+        &["g.xml:6:", "the class \"w\", which does not exist"],
     );
 }
 
@@ -121,6 +121,6 @@ fn equalities_of_joints_couple_fingers_as_mimics_do() {
         coupled(&format!("{free} range=\"0 0.04\" limited=\"false\""), ""),
         &["\"jr\"> has a range, but is not limited"],
     );
-    refused(coupled(&format!("{free} range=\"0.04 0\""), ""), &["a range from 0.04 to 0, which leads downwards"]);
+    refused(coupled(&format!("{free} range=\"0.04 0\""), ""), &["a range from 0.04 to 0, which is decreasing"]);
     refused(coupled("name=\"jr\"", ""), &["<joint name=\"jr\"> is of type hinge"]);
 }

@@ -78,18 +78,18 @@ fn what_is_no_parallel_gripper_is_refused_with_the_reason() {
         scene(folder.path(), &robot(&path, "")).unwrap_err()
     };
     let refused = [
-        (changed("prismatic", "revolute"), "moves by a joint that does not slide on \"fr3_hand\""),
+        (changed("prismatic", "revolute"), "is connected to \"fr3_hand\" by a joint that does not slide"),
         (changed("axis xyz=\"0 1 0\"", "axis xyz=\"1 0 0\""), "must be parallel"),
         (
             changed("upper=\"0.04\" velocity=\"0.2\"/>\n    <mimic joint=\"fr3_finger_joint1\"/>", "upper=\"0.03\"/>"),
-            "both must slide by as much",
+            "both must slide by the same distance",
         ),
         (changed("-0.005 0.0544", "-0.005 0.05"), "do not face each other"),
         (changed("link name=\"left_gel\"", "link name=\"gel\""), "left_mount"),
-        (changed("<robot", "<robt"), "is no readable XML"),
+        (changed("<robot", "<robt"), "is not valid XML"),
         (
             changed("upper=\"0.04\"", "upper=\"1e9.0\""),
-            "changed.urdf:15:37: <limit upper=\"1e9.0\">: \"1e9.0\" is no number",
+            "changed.urdf:15:37: <limit upper=\"1e9.0\">: \"1e9.0\" is not a number",
         ),
         (
             scene(folder.path(), &robot(&shipped("franka_gelsight.urdf"), "stroke: 0.03")).unwrap_err(),

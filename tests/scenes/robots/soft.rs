@@ -30,7 +30,7 @@ fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
         let (mut a, mut b) = (read.gripper.like(side), spelt.gripper.like(side));
         let pads = [&mut a.pads, &mut b.pads].map(std::mem::take);
         let notice = a.notice.0.take().expect("1.57 is told");
-        assert!(notice.contains("off by up to 8.0e-4 rad"), "{notice}");
+        assert!(notice.contains("errors of up to 8.0e-4 rad"), "{notice}");
         assert_eq!(a, b, "gel, friction, opening, stroke and place of finger {side}");
         let [a, b] = pads.map(|pads| tactus::model::part::pad::build(&pads, &mut Vec::new()).unwrap().0);
         assert_eq!(a.bonded, b.bonded, "what the distance to the core bonds on finger {side}");
@@ -57,14 +57,17 @@ fn soft_pads_that_say_too_little_are_refused_with_the_reason() {
     for (message, reason) in [
         (refused("<youngs value=\"2e5\"/>", "<youngs value=\"\"/>", ""), "<youngs value=\"\">: 0 numbers; 1 needed"),
         (refused("<poissons value=\"0.45\"/>", "", ""), "\"left_pad\" has no <poissons value"),
-        (refused(block("collision"), "<none/>", ""), "<link name=\"left_pad\"> is fixed to no link with a <collision>"),
+        (
+            refused(block("collision"), "<none/>", ""),
+            "<link name=\"left_pad\"> is not fixed to a link with a <collision>",
+        ),
         (refused(block("fem"), "<none/>", ""), "for one of the links \"left_pad\" and \"right_pad\", not for both"),
         (
             refused("attachDistance value=\"2e-4\"", "attachDistance value=\"0.05\"", ""),
-            "all 363 nodes of the pad are glued",
+            "all 363 nodes of the pad are bonded",
         ),
         (refused("fingertip.tet", "nothing.tet", ""), "nothing.tet"),
-        (refused("<robot", "<robot", "material: Preset(\"biotac\")"), "the robot says what the material is"),
+        (refused("<robot", "<robot", "material: Preset(\"biotac\")"), "the material is already defined by the robot"),
     ] {
         assert!(message.contains(reason) && message.contains("scene.ron:"), "{message}");
     }
@@ -110,15 +113,15 @@ fn fingertips(changes: &[(&str, &str)]) -> Result<(), String> {
 fn shapes_without_volume_and_words_that_are_no_numbers_are_refused_with_their_place() {
     let mesh = "core.obj\"/>";
     for (from, to, reason) in [
-        (mesh, "core.obj\" scale=\"0 0 0\"/>", "leaves no volume; each factor must differ from zero"),
-        (mesh, "core.obj\" scale=\"1 1 0\"/>", "leaves no volume"),
+        (mesh, "core.obj\" scale=\"0 0 0\"/>", "and therefore no volume; each factor must be nonzero"),
+        (mesh, "core.obj\" scale=\"1 1 0\"/>", "and therefore no volume"),
         (mesh, "core.obj\" scale=\"nan 1 1\"/>", "tips.urdf:8:"),
-        (mesh, "core.obj\" scale=\"nan 1 1\"/>", "\"nan\" is no number"),
-        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0 oops 0 0.1\" rpy", "<origin xyz=\"0 oops 0 0.1\">: \"oops\" is no number"),
-        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0,0 0 0 0.1\" rpy", "\"0,0\" is no number"),
+        (mesh, "core.obj\" scale=\"nan 1 1\"/>", "\"nan\" is not a number"),
+        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0 oops 0 0.1\" rpy", "<origin xyz=\"0 oops 0 0.1\">: \"oops\" is not a number"),
+        ("xyz=\"0 0 0.1\" rpy", "xyz=\"0,0 0 0 0.1\" rpy", "\"0,0\" is not a number"),
         ("xyz=\"0 0 0.1\" rpy", "xyz=\"0 0 0 0.1\" rpy", "4 numbers; 3 needed"),
         ("rpy=\"1.57 0 0\"", "rpy=\"90 0 0\"", "angles are in radians here, 90 degrees are 1.5707963"),
-        ("rpy=\"1.57 0 0\"", "rpy=\"inf 0 0\"", "\"inf\" is no number"),
+        ("rpy=\"1.57 0 0\"", "rpy=\"inf 0 0\"", "\"inf\" is not a number"),
     ] {
         let message = fingertips(&[(from, to)]).unwrap_err();
         assert!(message.contains(reason), "{reason:?} is not in: {message}");
@@ -154,7 +157,10 @@ fn meshes_are_found_in_packages_and_by_file_uris() {
     write("checkout/urdf/p.urdf", "package://fingers/meshes").expect("its package.xml has its name");
     write("uri.urdf", &format!("file://{}", pads.display())).expect("file:// is stripped");
     let message = write("none.urdf", "package://nowhere/meshes").unwrap_err();
-    assert!(message.contains("no package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"), "{message}");
+    assert!(
+        message.contains("not found in a package \"nowhere\"") && message.contains("ROS_PACKAGE_PATH"),
+        "{message}"
+    );
 }
 
 /// Copies the meshes of a pad and of its core into the new folder `folder`.
@@ -173,7 +179,7 @@ fn packages_are_found_in_the_path_of_ros() {
     std::fs::write(folder.path().join("p.urdf"), urdf.replace("../pads", "package://tips/meshes")).unwrap();
     copy_pads(&folder.path().join("workspace/src/tips/meshes"));
     let refused = scene(folder.path(), &format!("robot: (path: \"p.urdf\", {SOFT})")).unwrap_err();
-    assert!(refused.contains("no package \"tips\""), "{refused}");
+    assert!(refused.contains("not found in a package \"tips\""), "{refused}");
     let found = |listed: &[&str]| {
         let listed = listed.iter().map(|root| folder.path().join(root));
         let checked = Command::new(env!("CARGO_BIN_EXE_tactus"))

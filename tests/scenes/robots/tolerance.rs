@@ -56,7 +56,7 @@ fn places_that_are_off_by_less_than_a_tenth_of_a_millimetre_are_in_line_with_a_n
     let gripper = urdf(["xyz=\"0.00001 0 0.06\"", &turned("0.060012")], ["0 1 0"; 2], "0 0 0.05").unwrap();
     measures(&gripper, [0.08, 0.04, 5e-6, 0.110006], 1e-12);
     let notice = gripper.notice.0.unwrap();
-    assert!(notice.contains("off by up to 12.00 um") && !notice.contains("rad"), "{notice}");
+    assert!(notice.contains("offsets of up to 12.00 um") && !notice.contains("rad"), "{notice}");
     refused(
         urdf(["xyz=\"0 0 0.06\"", &turned("0.0602")], ["0 1 0"; 2], "0 0 0.05"),
         &["do not face each other within 0.0001 m"],
@@ -79,5 +79,5 @@ fn quaternions_of_six_digits_are_right_angles() {
     let gripper = read(&[("p.xml", &text)], "hand", ["left_pad", "right_pad"]);
     let gripper = gripper.unwrap();
     measures(&gripper, [0.07, 0.035, 0.0, 0.105], 1e-6);
-    assert!(gripper.notice.0.unwrap().contains("off by up to"), "the note says by how much");
+    assert!(gripper.notice.0.unwrap().contains("errors of up to"), "the note says by how much");
 }

@@ -142,7 +142,7 @@ impl CondensedPad {
         let left = match condensed_at.is_empty() {
             true => None,
             false if known => self.condense(&condensed_at, patch).map_err(|e| Error::Start(e.to_string()))?,
-            false => return Err(Error::Start("the saved state is of other pads".into())),
+            false => return Err(Error::Start("the saved state belongs to other pads".into())),
         };
         (self.center, self.accepted, self.gradient) = (center, accepted, gradient);
         Ok(left)

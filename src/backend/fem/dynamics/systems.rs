@@ -27,7 +27,7 @@ pub fn advance_time(
         }
         Err((time, failure)) => next.request(Phase::Fault {
             reason: format!(
-                "at {time:.6} s: {}; the time step of {:e} s was divided until it was too short to go on; last accepted \
+                "at {time:.6} s: {}; the time step of {:e} s was reduced to its lower limit; last accepted \
                  time {:.6} s",
                 failure, dynamics.time_step, integrator.time
             ),

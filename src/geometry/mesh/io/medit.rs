@@ -14,7 +14,10 @@ use base::error::{Error, Result};
 /// differs from the content, and a bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     if bytes.contains(&0) {
-        return Err(Error::file(path, format!("binary Medit is not read; write ASCII, or {}", super::convert(path))));
+        return Err(Error::file(
+            path,
+            format!("binary Medit is not supported; write ASCII, or {}", super::convert(path)),
+        ));
     }
     let source = text::decode(path, bytes)?;
     let mut words = text::lines(&source, Some('#')).flat_map(|l| l.words).peekable();
@@ -59,14 +62,15 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
                         *r = one_based(path, next(path, &mut words, "a tetrahedron `a b c d tag`")?, e)?;
                     }
                     for _ in 0..if second_order { 6 } else { 0 } {
-                        next(path, &mut words, "a middle node of a tetrahedron")?;
+                        next(path, &mut words, "a mid-edge node of a tetrahedron")?;
                     }
                     text::number(path, next(path, &mut words, "a tetrahedron's tag")?, "tag")?;
                     refs.push(four);
                 }
                 if second_order {
                     notices.push(format!(
-                        "{}: tetrahedra of 10 nodes are read by their 4 corners; quadratic elements get middle nodes anew",
+                        "{}: only the 4 corners of tetrahedra of 10 nodes are read; quadratic elements get new \
+                         mid-edge nodes",
                         path.display()
                     ));
                 }
@@ -99,7 +103,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
         return Err(Error::file(path, message));
     }
     if !passed_over.is_empty() {
-        notices.push(format!("{}: passed over {passed_over}; only tetrahedra are used", path.display()));
+        notices.push(format!("{}: ignored {passed_over}; only tetrahedra are used", path.display()));
     }
     Ok((mesh, notices))
 }

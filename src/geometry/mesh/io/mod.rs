@@ -63,7 +63,7 @@ pub fn read_tet_group(path: impl AsRef<Path>, group: Option<&str>) -> Result<(Te
         ("msh", _) => gmsh::parse(path, read_bytes(path)?, group),
         (other, Some(group)) => {
             let message =
-                format!("group {group:?}: a file of type `.{}` has no groups that are read", other.escape_debug());
+                format!("group {group:?}: groups of files of type `.{}` are not supported", other.escape_debug());
             Err(Error::file(path, format!("{message}; convert it to gmsh (.msh), or leave `group` out")))
         }
         (known, None) => read_by_extension(path, known),
@@ -144,7 +144,7 @@ fn extension(path: &Path) -> String {
 }
 
 fn unknown(path: &Path, extension: &str, allowed: &str) -> Error {
-    Error::file(path, format!("file type `.{}` is not read here; allowed: {allowed}", extension.escape_debug()))
+    Error::file(path, format!("file type `.{}` is not supported here; allowed: {allowed}", extension.escape_debug()))
 }
 
 /// Returns advice, after a `; `, on the conversion of a file of an unsupported format to a supported one.
@@ -157,7 +157,9 @@ fn advice(path: &Path, extension: &str) -> String {
             let (name, mesh) = names(path);
             format!("; mesh it: `gmsh -3 {name} -o {mesh}`")
         }
-        "stl" | "obj" | "ply" | "off" => "; a surface has no inside: fill it with tetrahedra, by gmsh or TetGen".into(),
+        "stl" | "obj" | "ply" | "off" => {
+            "; a surface has no volume elements: mesh its volume with tetrahedra, by gmsh or TetGen".into()
+        }
         _ => String::new(),
     }
 }

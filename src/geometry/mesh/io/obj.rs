@@ -148,7 +148,7 @@ impl Checked<'_> {
                 Some(known) => *self.passed.entry(known).or_default() += 1,
                 None => {
                     let message = format!(
-                        "unknown keyword `{}`; allowed: v, f, {}; passed over: {}",
+                        "unknown keyword `{}`; allowed: v, f, {}; ignored: {}",
                         other.chars().take(40).collect::<String>().escape_debug(),
                         SILENT.join(", "),
                         PASSED.join(", ")
@@ -223,8 +223,8 @@ impl Checked<'_> {
         })?;
         if index == 0 || index.unsigned_abs() > count as u64 {
             let message = format!(
-                "triangle {triangle} refers to vertex {index}, but {count} vertices stand above; allowed: 1..={count} or \
-                 -{count}..=-1"
+                "triangle {triangle} refers to vertex {index}, but {count} vertices are defined above; allowed: \
+                 1..={count} or -{count}..=-1"
             );
             return Err(text::at(self.path, word, message));
         }
@@ -246,7 +246,7 @@ impl Checked<'_> {
             let lines: usize = self.passed.values().sum();
             let words: Vec<&str> = self.passed.keys().copied().collect();
             notices.push(format!(
-                "{file}: passed over {} without a word on flat faces: {}",
+                "{file}: ignored {} that do not describe flat faces: {}",
                 counted(lines, "line"),
                 words.join(", ")
             ));

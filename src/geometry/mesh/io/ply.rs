@@ -125,8 +125,8 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
     if mesh.triangles.is_empty() {
         let n = mesh.vertices.len();
         let message = format!(
-            "the mesh is empty: {n} vertices and no faces; of a point cloud make a surface first (for example by Poisson \
-             reconstruction in MeshLab or Open3D)"
+            "the mesh is empty: {n} vertices and no faces; create a surface from the point cloud first (for example by \
+             Poisson reconstruction in MeshLab or Open3D)"
         );
         return Err(Error::file(path, message));
     }
@@ -138,13 +138,13 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
         notices.push(format!("{file}: {crossed} faces have an outline that crosses itself"));
     }
     if !left_out.is_empty() {
-        notices.push(format!("{file}: passed over elements that are no vertices or faces: {}", left_out.join(", ")));
+        notices.push(format!("{file}: ignored elements other than vertices and faces: {}", left_out.join(", ")));
     }
     let mut rest = Vec::new();
     // Reading from memory cannot fail.
     let _ = reader.into_inner().read_to_end(&mut rest);
     if rest.iter().any(|b| !b.is_ascii_whitespace()) {
-        notices.push(format!("{file}: passed over {} after the last element", counted(rest.len(), "byte")));
+        notices.push(format!("{file}: ignored {} after the last element", counted(rest.len(), "byte")));
     }
     Ok((mesh, notices))
 }

@@ -40,16 +40,17 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>
         };
         let (whole, over) = ((size - HEADER as u64) / FACET as u64, (size - HEADER as u64) % FACET as u64);
         let count = if whole.abs_diff(declared) <= MISCOUNTED && (over == 0 || whole < declared) {
-            let news = format!("{file}: the header counts {declared} facets, but the file holds {whole}: read those");
+            let news =
+                format!("{file}: the header counts {declared} facets, but the file contains {whole}, which are read");
             notices.push(news);
             whole
         } else if whole >= declared && declared >= 4 {
-            notices.push(format!("{file}: passed over {} bytes after the {declared} facets", size - length(declared)));
+            notices.push(format!("{file}: ignored {} bytes after the {declared} facets", size - length(declared)));
             declared
         } else {
             let message = format!(
-                "not an STL file, or cut short: its binary header declares {declared} facets = {} bytes, but it has {size} \
-                 bytes, and it does not start with `solid`",
+                "not an STL file, or truncated: its binary header declares {declared} facets = {} bytes, but it has \
+                 {size} bytes, and it does not start with `solid`",
                 length(declared)
             );
             return Err(Error::file(path, message));
@@ -60,7 +61,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TriMesh, Vec<String>
         parse_binary(path, bytes)?
     };
     if mesh.triangles.is_empty() {
-        return Err(Error::file(path, "the mesh is empty: the STL file holds no facets"));
+        return Err(Error::file(path, "the mesh is empty: the STL file contains no facets"));
     }
     Ok((mesh, notices))
 }

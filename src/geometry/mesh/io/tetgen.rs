@@ -28,7 +28,7 @@ pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
     }
     if width == 10 {
         notices.push(format!(
-            "{}: {} tetrahedra of 10 nodes are read by their 4 corners; quadratic elements get middle nodes anew",
+            "{}: only the 4 corners of {} tetrahedra of 10 nodes are read; quadratic elements get new mid-edge nodes",
             elements.display(),
             mesh.tets.len()
         ));

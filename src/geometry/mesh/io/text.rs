@@ -86,7 +86,7 @@ pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
     }
     if let Some((i, line)) = bytes.split(|b| *b == b'\n').enumerate().find(|(_, line)| line.len() > MAX_LINE) {
         let (number, length) = (i + 1, line.len());
-        let message = format!("line {number} has {length} bytes; at most {MAX_LINE} are read: break it into lines");
+        let message = format!("line {number} has {length} bytes; at most {MAX_LINE} are allowed: break it into lines");
         return Err(Error::file(path, message));
     }
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
@@ -103,7 +103,7 @@ pub(crate) fn at(path: &Path, word: Word<'_>, message: impl std::fmt::Display) -
 
 /// Returns an error about the end of the file.
 pub(crate) fn ended(path: &Path, expected: &str) -> Error {
-    Error::file(path, format!("the file ends where {expected} should follow; it is cut short: write or copy it again"))
+    Error::file(path, format!("the file ends where {expected} should follow; it is truncated: write or copy it again"))
 }
 
 /// Returns at most 40 characters of a word, for quoting.

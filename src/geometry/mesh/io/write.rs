@@ -76,7 +76,7 @@ pub fn write_stl(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<()> {
                 Error::Mesh(format!("triangle {t} refers to vertex {i}, but there are {n} vertices (0-based)"))
             })?;
             if single(*corner).iter().any(|x| !x.is_finite()) {
-                return Err(Error::Mesh(format!("vertex {i} = {corner} cannot be written as f32, which STL demands")));
+                return Err(Error::Mesh(format!("vertex {i} = {corner} cannot be written as f32, which STL requires")));
             }
         }
         let [a, b, c] = corners;

@@ -44,8 +44,8 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         && edges.twisted.count > 0
     {
         return Err(Error::Mesh(format!(
-            "the surface has one side only, as a Moebius strip: however its triangles are turned, those at the edge from {} to {} \
-             disagree, so that nothing is inside of it; cut it there, or give it a thickness",
+            "the surface is one-sided, like a Moebius strip: for any orientation of its triangles, those at the edge \
+             from {} to {} disagree, so that it encloses no volume; cut it there, or give it a thickness",
             show(a),
             show(b)
         )));
@@ -64,21 +64,21 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     };
     let nothing = |_| {
         let advice =
-            "the surface encloses no volume that could be sampled: give it a thickness, or close it in a mesh program";
+            "the surface encloses no volume that could be remeshed: give it a thickness, or close it in a mesh editor";
         Error::Mesh(advice.into())
     };
     let (surface, dust) = attempt(true).or_else(|_| attempt(false)).map_err(nothing)?;
     let moved = Moved::of(&surface, &winding, field.step);
     let mut done = format!(
-        "sampled its winding number anew, on a grid of {:.2e} m: {} triangles; the surface moved by at most {:.2e} m, by {:.2e} m on \
-         average",
+        "remeshed from its winding number on a grid of {:.2e} m: {} triangles; the surface moved by at most {:.2e} m, \
+         by {:.2e} m on average",
         field.step,
         surface.triangles.len(),
         moved.most,
         moved.mean
     );
     if moved.new > 0.0 {
-        done += &format!("; {:.1} % of it is new, where there were holes", 100.0 * moved.new);
+        done += &format!("; {:.1} % of its area is new and closes holes", 100.0 * moved.new);
     }
     if dust > 0 {
         done += &format!("; dropped {} of less than {SMALL_SHELL} of its volume", counted(dust, "closed part"));

@@ -17,7 +17,7 @@ pub fn balanced<E: Real, T: Tape<E>>(
         return x;
     }
     let ((rows, cols), size) = (*x.shape(), 3 * balances[0].nodes());
-    assert!(cols == 3 && rows * 3 == size * balances.len(), "a balance is of all contact forces of a level");
+    assert!(cols == 3 && rows * 3 == size * balances.len(), "a balance must have all contact forces of a level");
     let mut y = values(&x);
     y.chunks_exact_mut(size).zip(balances).for_each(|(y, own)| own.balance(y, mirror));
     let ((x, tape), balances) = (x.split_tape(), balances.to_vec());

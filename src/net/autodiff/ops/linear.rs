@@ -30,7 +30,10 @@ pub fn linear<E: Real, T: Tape<E>>(
     let (mut terms, tape) = split(terms);
     let Some(x) = terms.pop() else { unreachable!("x has just been pushed") };
     let ((n, k), m) = (*x.shape(), w.shape().1);
-    assert!(w.shape().0 == k && terms.iter().all(|term| *term.shape() == (n, m)), "shapes of a linear layer must fit");
+    assert!(
+        w.shape().0 == k && terms.iter().all(|term| *term.shape() == (n, m)),
+        "the shapes of a linear layer must match"
+    );
     let mut z = match bias {
         Some(bias) => values(bias).repeat(n),
         None => vec![E::of(0.0); n * m],

@@ -36,7 +36,7 @@ impl Defaults {
         match self.classes.get(class) {
             Some(tags) => Ok(tags.get(&element.tag).map_or_else(|| element.clone(), |base| inherit(element, base))),
             None if class == MAIN => Ok(element.clone()),
-            None => Err(element.error(format_args!("is of the class {class:?}, which is not there"))),
+            None => Err(element.error(format_args!("is of the class {class:?}, which does not exist"))),
         }
     }
 }

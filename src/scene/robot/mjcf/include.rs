@@ -16,7 +16,7 @@ pub(super) fn expand(
     reader: &mut XmlReader,
 ) -> Result<(), String> {
     if depth == DEPTH {
-        return Err(element.error(format_args!("stands in more than {DEPTH} elements")));
+        return Err(element.error(format_args!("is nested in more than {DEPTH} elements")));
     }
     for mut child in std::mem::take(&mut element.children) {
         if child.tag != "include" {

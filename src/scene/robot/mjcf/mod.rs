@@ -28,7 +28,7 @@ pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkT
                 let name = asset.text("name").or(root.text("model")).unwrap_or_default().to_string();
                 Ok((name, read(root, reader)?))
             }
-            _ => Err(root.error("is no <mujoco>, which alone can be attached")),
+            _ => Err(root.error("is not <mujoco>, the only element that can be attached")),
         })?;
         model.attachable.insert(name, tree);
     }
@@ -114,7 +114,7 @@ impl Model {
             return Ok(Mobility::Other(own.error(format_args!("is of type {kind}"))));
         }
         let axis = joint.numbers("axis")?.map_or(DVec3::Z, DVec3::from_array);
-        let unit = axis.try_normalize().ok_or_else(|| own.error("has an axis of no length"))?;
+        let unit = axis.try_normalize().ok_or_else(|| own.error("has an axis of zero length"))?;
         Ok(Mobility::Slides { axis: context.frame.transform_vector3(unit), joint: self.tree.joints.len() - 1 })
     }
 
@@ -133,8 +133,8 @@ impl Model {
             None => return Err(joint.error(format_args!("has no range; {WRITE}"))),
         };
         if a >= b {
-            let order = if a > b { "downwards" } else { "nowhere" };
-            return Err(joint.error(format_args!("has a range from {a} to {b}, which leads {order}; {WRITE}")));
+            let order = if a > b { "decreasing" } else { "empty" };
+            return Err(joint.error(format_args!("has a range from {a} to {b}, which is {order}; {WRITE}")));
         }
         let drawn = joint.number("ref")?.unwrap_or(0.0);
         let scale = if kind == "hinge" && self.compiler.degrees { 1f64.to_radians() } else { 1.0 };
@@ -144,7 +144,7 @@ impl Model {
     /// Adds the body named by an `<attach>` with its subtree, or the whole world of the model if it names none.
     fn attach(&mut self, attach: &XmlElement, context: &Context) -> Result<(), String> {
         let (model, prefix) = (attach.needed("model")?, attach.text("prefix").unwrap_or_default());
-        let missing = || attach.error(format_args!("names the model {model:?}, which no <asset> has"));
+        let missing = || attach.error(format_args!("refers to the model {model:?}, which no <asset> defines"));
         let other = self.attachable.get(model).ok_or_else(missing)?;
         let root = match attach.text("body") {
             Some(body) => {
@@ -153,7 +153,7 @@ impl Model {
             None => 0,
         };
         if self.tree.links.len() + other.links.len() > LINKS {
-            return Err(attach.error(format_args!("brings more than {LINKS} links together")));
+            return Err(attach.error(format_args!("results in more than {LINKS} links")));
         }
         let joints = self.tree.joints.len();
         let prefixed = |name: &str| if name.is_empty() { String::new() } else { format!("{prefix}{name}") };
@@ -198,7 +198,7 @@ impl Model {
             return Ok(());
         }
         let find = |name: &str| {
-            let missing = || equality.error(format_args!("names the joint {name:?}, which is not there"));
+            let missing = || equality.error(format_args!("refers to the joint {name:?}, which does not exist"));
             numbers.get(name).copied().ok_or_else(missing)
         };
         let follower = find(equality.needed("joint1")?)?;
@@ -214,8 +214,9 @@ impl Model {
                 joint.range = Err(equality.error("is the second one for its first joint"));
             }
             Some(_) if bent != [0.0; 3] => {
-                joint.range =
-                    Err(equality.error("has a polycoef of higher than first order; fingers slide in proportion here"));
+                joint.range = Err(equality.error(
+                    "has a polycoef of higher than first order; only a linear relation between fingers is supported",
+                ));
             }
             Some(leader) => joint.mimic = Some(Mimic { leader, gear, offset }),
             None => joint.range = Err(equality.error(format_args!("fixes joint {:?}", joint.name))),

@@ -30,9 +30,8 @@ impl Compiler {
     /// Fails for global coordinates and for an invalid Euler sequence.
     pub fn add(&mut self, compiler: &XmlElement) -> Result<(), String> {
         if compiler.text("coordinate").is_some_and(|kind| kind != "local") {
-            return Err(
-                compiler.error("has global coordinates, which MuJoCo reads no more; save the model with local ones")
-            );
+            return Err(compiler
+                .error("has global coordinates, which MuJoCo no longer supports; save the model with local ones"));
         }
         self.degrees = compiler.text("angle").map_or(self.degrees, |unit| unit != "radian");
         self.autolimits = compiler.text("autolimits").map_or(self.autolimits, |flag| flag == "true");
@@ -70,7 +69,7 @@ impl Compiler {
         let Some(form) = ORIENTATIONS.into_iter().find(|form| element.text(form).is_some()) else {
             return Ok(DMat3::IDENTITY);
         };
-        let none = || element.error(format_args!("has a {form} of no length"));
+        let none = || element.error(format_args!("has a {form} of zero length"));
         let unit = |v: [f64; 3]| DVec3::from_array(v).try_normalize().ok_or_else(none);
         match form {
             "quat" => {

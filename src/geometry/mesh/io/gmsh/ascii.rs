@@ -21,7 +21,7 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
             "$MeshFormat" => version = Some(format_version(path, &next("the format line")?)?),
             "$Nodes" | "$Elements" => {
                 let Some(version) = version else {
-                    let message = "a section stands before `$MeshFormat`; the format version must come first";
+                    let message = "a section precedes `$MeshFormat`; the format version must come first";
                     return Err(text::at(path, line.first(), message));
                 };
                 match (name, version) {
@@ -116,7 +116,7 @@ fn nodes_v4<'a>(
         text::columns(path, &block, &[4], "a node block of an entity's two numbers, `parametric`, `count`")?;
         let n = text::count(path, block.words[3], "the number of nodes of a block")?;
         if n > total - found.nodes().min(total) {
-            let message = format!("the blocks hold more nodes than the {total} declared");
+            let message = format!("the blocks contain more nodes than the {total} declared");
             return Err(text::at(path, block.first(), message));
         }
         let first = found.nodes();

@@ -22,7 +22,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(T
         match (name, file.version) {
             ("$MeshFormat", _) => file.format()?,
             ("$Nodes" | "$Elements", None) => {
-                return Err(file.fail("a section stands before `$MeshFormat`; the format version must come first"));
+                return Err(file.fail("a section precedes `$MeshFormat`; the format version must come first"));
             }
             ("$ParametricNodes", _) => return Err(file.fail(PARAMETRIC)),
             ("$Nodes", Some(Version::V2)) => nodes_v2(&mut file, &mut found)?,
@@ -51,7 +51,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(T
         }
         let end = format!("$End{body}");
         if file.section()? != Some(end.as_str()) {
-            return Err(file.fail(&format!("expected `{end}`: the counts of the section do not fit what it holds")));
+            return Err(file.fail(&format!("expected `{end}`: the counts of the section do not match its contents")));
         }
     }
     found.finish(path, group)
@@ -81,7 +81,7 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
         let extra = if parametric { dimension.clamp(0, 3) as usize } else { 0 };
         let n = file.count("the number of nodes of a block")?;
         if found.nodes() + n > total {
-            return Err(file.fail(&format!("the blocks hold more nodes than the {total} declared")));
+            return Err(file.fail(&format!("the blocks contain more nodes than the {total} declared")));
         }
         let first = found.nodes();
         for k in first..first + n {
@@ -118,7 +118,7 @@ fn elements_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
         let tags = file.int("the number of tags")? as usize;
         if follow == 0 || follow > total - read {
             let left = total - read;
-            return Err(file.fail(&format!("a block of {follow} elements, where {left} of {total} are left")));
+            return Err(file.fail(&format!("a block of {follow} elements, but only {left} of {total} remain")));
         }
         for _ in 0..follow {
             file.take(4, "an element's number")?;

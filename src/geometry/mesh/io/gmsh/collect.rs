@@ -106,8 +106,9 @@ impl Collected {
                 let (off, length) = ((m - 0.5 * (p + q)).length(), (q - p).length());
                 if off > MISPLACED * length {
                     let message = format!(
-                        "tetrahedron {element}: node tag {} lies {off:.3e} m off the middle of its edge of {length:.3e} m; the \
-                         nodes stand in another order than gmsh's, or the edge is too curved: mesh to first order",
+                        "tetrahedron {element}: node tag {} lies {off:.3e} m from the midpoint of its edge of \
+                         {length:.3e} m; the nodes are not in the order of gmsh, or the edge is too curved: use a mesh \
+                         of first order",
                         tags[k + 4]
                     );
                     return Err((k + 4, message));
@@ -141,15 +142,17 @@ impl Collected {
         if self.quadratic > 0 {
             let (off, part) = self.bulge;
             let edges = if part <= STRAIGHT {
-                "their middle nodes lie in the middle of straight edges".to_string()
+                "their mid-edge nodes are at the midpoints of straight edges".to_string()
             } else {
                 format!(
-                    "their middle nodes lie up to {off:.2e} m ({:.2} % of the edge) off the middle, but edges are taken as straight",
+                    "their mid-edge nodes are up to {off:.2e} m ({:.2} % of the edge) from the midpoints, but edges \
+                     are treated as straight",
                     100.0 * part
                 )
             };
             notices.push(format!(
-                "{}: {} tetrahedra of 10 nodes are read by their 4 corners; {edges}; quadratic elements get middle nodes anew",
+                "{}: only the 4 corners of {} tetrahedra of 10 nodes are read; {edges}; quadratic elements get new \
+                 mid-edge nodes",
                 path.display(),
                 self.quadratic
             ));

@@ -43,7 +43,7 @@ impl<'a> Cursor<'a> {
         let Some(taken) = self.bytes.get(self.at..self.at.saturating_add(n)) else {
             return Err(Error::file(
                 self.path,
-                format!("the file ends where {what} should follow; it is cut short: write or copy it again"),
+                format!("the file ends where {what} should follow; it is truncated: write or copy it again"),
             ));
         };
         self.at += n;
@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
             None => {
                 self.at = start;
                 Err(self.fail(
-                    "expected a section such as `$Nodes`, or the end of one: its counts do not fit what it holds",
+                    "expected a section such as `$Nodes`, or the end of one: its counts do not match its contents",
                 ))
             }
         }
@@ -99,7 +99,7 @@ impl<'a> Cursor<'a> {
         let Some(found) = find(&self.bytes[self.at..], end.as_bytes()) else {
             return Err(Error::file(
                 self.path,
-                format!("the file ends where `{end}` should follow; it is cut short: write or copy it again"),
+                format!("the file ends where `{end}` should follow; it is truncated: write or copy it again"),
             ));
         };
         let before = Self { bytes: &self.bytes[..self.at + found], ..*self };
@@ -123,10 +123,12 @@ impl<'a> Cursor<'a> {
             "8" => 8,
             other => return Err(self.fail(&format!("data size {}; allowed: 4 or 8", quote(other)))),
         };
-        self.big_endian = match self.take(4, "the 1 that tells the byte order")? {
+        self.big_endian = match self.take(4, "the 1 that indicates the byte order")? {
             [1, 0, 0, 0] => false,
             [0, 0, 0, 1] => true,
-            other => return Err(self.fail(&format!("the byte order is told by a 1, found the bytes {other:?}"))),
+            other => {
+                return Err(self.fail(&format!("the byte order must be indicated by a 1, found the bytes {other:?}")));
+            }
         };
         Ok(())
     }

@@ -112,9 +112,8 @@ impl Groups {
         let list = list.join(", ");
         let Some(wanted) = wanted else {
             let first = found.keys().next().map(called).unwrap_or_default();
-            return Ok((found.len() + usize::from(without > 0 && !found.is_empty()) > 1).then(|| {
-                format!("the volumes {list} are all taken as one; choose one by its group: `group: {first:?}`")
-            }));
+            return Ok((found.len() + usize::from(without > 0 && !found.is_empty()) > 1)
+                .then(|| format!("the volumes {list} are combined; choose one by its group: `group: {first:?}`")));
         };
         let tags: Vec<u64> = found.keys().copied().filter(|tag| called(tag) == wanted).collect();
         if tags.is_empty() {

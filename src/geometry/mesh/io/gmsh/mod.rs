@@ -56,12 +56,11 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>, group: Option<&str>) -> Result<
 }
 
 /// Error message for nodes with geometric parameters, which version 2 stores in a separate section.
-const PARAMETRIC: &str =
-    "the nodes stand in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
+const PARAMETRIC: &str = "the nodes are in `$ParametricNodes`; save them without parameters (Mesh.SaveParametric = 0)";
 
 /// Returns the error message for a section whose number of `what` differs from the declared one.
 fn declared(total: usize, found: usize, what: &str) -> String {
-    format!("{total} {what} declared, but the blocks hold {found}: the file is cut short or changed; write it again")
+    format!("{total} {what} declared, but the blocks contain {found}: the file is truncated or changed; write it again")
 }
 
 /// Returns true if the second word after `$MeshFormat` is the 1 of a binary file.

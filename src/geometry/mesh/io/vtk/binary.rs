@@ -45,7 +45,7 @@ impl<'a> Bytes<'a> {
         let end = self.at.saturating_add(N * n);
         let Some(taken) = self.bytes.get(self.at..end) else {
             return Err(self.fail(format!(
-                "the file ends within an array of {n} numbers; it is cut short: write or copy it again"
+                "the file ends within an array of {n} numbers; it is truncated: write or copy it again"
             )));
         };
         self.at = end;
@@ -82,7 +82,8 @@ impl<'a> Content<'a> for Bytes<'a> {
                 Ok(Some(word))
             }
             Err(_) => {
-                Err(self.fail("expected a word of text: the counts before it do not fit what the file holds".into()))
+                Err(self
+                    .fail("expected a word of text: the counts before it do not match the contents of the file".into()))
             }
         }
     }
@@ -122,11 +123,7 @@ impl<'a> Content<'a> for Bytes<'a> {
         };
         let index = |v: i64| u64::try_from(v).map(|value| Index { value, place: None });
         let checked: std::result::Result<Vec<_>, _> = values.into_iter().map(index).collect();
-        checked.map_err(|_| {
-            self.fail(
-                "a negative number in the cells: the file is damaged, or not of bytes with the highest first".into(),
-            )
-        })
+        checked.map_err(|_| self.fail("a negative number in the cells: the file is damaged, or not big-endian".into()))
     }
 
     fn pass_over(&mut self, keyword: &str) -> Result<()> {
@@ -143,7 +140,7 @@ impl<'a> Content<'a> for Bytes<'a> {
                     let tuples = self.count("the number of values", 1 << 31)?;
                     let kind = self.next("the type of an array")?;
                     let Some(size) = size(kind) else {
-                        return Err(self.fail(format!("an array of type {} cannot be passed over", text::quote(kind))));
+                        return Err(self.fail(format!("an array of type {} cannot be skipped", text::quote(kind))));
                     };
                     self.numbers::<1>(components * tuples * size)?;
                 }

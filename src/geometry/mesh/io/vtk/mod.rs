@@ -52,7 +52,7 @@ trait Content<'a> {
         match self.word()? {
             Some(word) => Ok(word),
             None => Err(self.fail(format!(
-                "the file ends where {expected} should follow; it is cut short: write or copy it again"
+                "the file ends where {expected} should follow; it is truncated: write or copy it again"
             ))),
         }
     }
@@ -196,7 +196,8 @@ fn collect(path: &Path, mut mesh: TetMesh, cells: &[Vec<Index>], types: &[Index]
     let mut notices = Vec::new();
     if quadratic > 0 {
         notices.push(format!(
-            "{}: {quadratic} tetrahedra of 10 nodes are read by their 4 corners; quadratic elements get middle nodes anew",
+            "{}: only the 4 corners of {quadratic} tetrahedra of 10 nodes are read; quadratic elements get new \
+             mid-edge nodes",
             path.display()
         ));
     }
