@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Content, Index};
+use super::content::{Content, Index};
 use crate::mesh::io::text::{self, Line, Word};
 use base::error::{Error, Result};
 
