@@ -5,8 +5,6 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a value that is not a number must fail every test")]
 
-use glam::{DMat3, DVec3};
-
 mod bvh;
 pub mod capsule;
 pub mod cuboid;
@@ -21,6 +19,7 @@ mod lattice;
 pub mod level_set;
 pub mod mass;
 pub mod mesh_distance;
+mod outer_product;
 pub(crate) mod overlap;
 mod params;
 pub mod plane;
@@ -47,6 +46,7 @@ pub use feature_point::FeaturePoint;
 pub use features::{Ridge, RidgeSection, RoundedEdge, SurfaceFeatures};
 pub use mass::MassProperties;
 pub use mesh_distance::MeshDistance;
+pub use outer_product::outer;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
 pub use ray::trace_convex;
 pub use signed_distance::{Closest, ContactPoints, Hit, SignedDistance, trace};
@@ -54,8 +54,3 @@ pub use solid::Shape;
 pub use sound::sound;
 pub use surface_definition::{SmoothSurface, SurfaceDefinition};
 pub use surface_distance::SurfaceDistance;
-
-/// Computes `n n^T`, the projection onto the unit vector `n`.
-pub fn outer(n: DVec3) -> DMat3 {
-    DMat3::from_cols(n * n.x, n * n.y, n * n.z)
-}

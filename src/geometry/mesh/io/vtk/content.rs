@@ -11,7 +11,7 @@ pub(super) struct Index {
 }
 
 /// Content of a file, word by word and array by array.
-pub(super) trait Content<'a> {
+pub(super) trait VtkContent<'a> {
     /// Returns an error at the position that was read last.
     fn fail(&self, message: String) -> Error;
 

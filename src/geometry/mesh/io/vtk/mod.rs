@@ -14,7 +14,7 @@ use crate::mesh::{MAX_COUNT, TetMesh};
 use base::error::{Error, Result};
 use base::number::counted;
 use binary::Bytes;
-use content::{Content, Index};
+use content::{Index, VtkContent};
 use glam::DVec3;
 use words::Words;
 
@@ -42,7 +42,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
 }
 
 /// Reads the sections after the header.
-fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec<String>)> {
+fn sections<'a>(path: &Path, mut file: impl VtkContent<'a>) -> Result<(TetMesh, Vec<String>)> {
     let (mut mesh, mut cells, mut types) = (TetMesh::default(), Vec::new(), Vec::new());
     while let Some(word) = file.word()? {
         match word {
@@ -76,7 +76,7 @@ fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec
 }
 
 /// Reads the points of each cell, in the old form (`n a b c ...`) or in that of version 5.
-fn read_cells<'a>(file: &mut impl Content<'a>) -> Result<Vec<Vec<Index>>> {
+fn read_cells<'a>(file: &mut impl VtkContent<'a>) -> Result<Vec<Vec<Index>>> {
     let n = file.count("the number of cells", MAX_COUNT)?;
     let size = file.count("the size of the cells", 64 * MAX_COUNT)?;
     let mut cells = Vec::new();
