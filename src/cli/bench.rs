@@ -2,7 +2,7 @@
 //! steps per second.
 
 use super::console::Console;
-use super::{Format, OK};
+use super::output::{Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;

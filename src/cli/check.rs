@@ -3,9 +3,9 @@
 
 use super::console::Console;
 use super::findings::{Found, MAX_GRASPS};
+use super::output::{Format, OK, REFUSED};
 use super::plausible::implausible;
 use super::run::with_object_name;
-use super::{Format, OK, REFUSED};
 use backend::choose;
 use backend::fem::condensed::nodes_at_contact;
 use base::error::{Error, Result};

@@ -1,10 +1,10 @@
 //! Commands `tactus completions` and `tactus man`: files that a package installs with the program.
 
 use super::console::Console;
-use super::{Cli, OK};
+use super::output::OK;
 use base::error::{Error, Result};
 use base::files::atomic::create_dir;
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 use std::path::PathBuf;
 
@@ -24,23 +24,23 @@ pub struct ManArgs {
     pub out: PathBuf,
 }
 
-/// Prints the completion script of a shell.
+/// Prints the completion script of a shell for `command`, the whole command line.
 ///
 /// # Errors
 /// Fails if stdout cannot be written.
-pub fn completions(args: &CompletionsArgs, console: &dyn Console) -> Result<u8> {
+pub fn completions(args: &CompletionsArgs, mut command: Command, console: &dyn Console) -> Result<u8> {
     let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "tactus", &mut text);
+    clap_complete::generate(args.shell, &mut command, "tactus", &mut text);
     console.print(&String::from_utf8_lossy(&text))?;
     Ok(OK)
 }
 
-/// Writes the manual pages.
+/// Writes the manual pages of `command`, the whole command line.
 ///
 /// # Errors
 /// Fails if a file cannot be written.
-pub fn man(args: &ManArgs) -> Result<u8> {
+pub fn man(args: &ManArgs, command: Command) -> Result<u8> {
     create_dir(&args.out)?;
-    clap_mangen::generate_to(Cli::command(), &args.out).map_err(|e| Error::file(&args.out, e.to_string()))?;
+    clap_mangen::generate_to(command, &args.out).map_err(|e| Error::file(&args.out, e.to_string()))?;
     Ok(OK)
 }

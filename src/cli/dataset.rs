@@ -3,9 +3,10 @@
 
 use super::console::Console;
 use super::dataset_table::{made, moved};
+use super::inspect;
+use super::output::{EXPECTATION_FAILED, Format, OK, kept};
 use super::run::refused;
-use super::view::{WatchArgs, watched};
-use super::{EXPECTATION_FAILED, Format, OK, inspect, kept};
+use super::watch::{WatchArgs, watched};
 use base::error::Result;
 use base::machine::machine_threads;
 use base::number::counted;

@@ -1,8 +1,8 @@
 //! Command `tactus eval`: errors of a trained model.
 
 use super::console::Console;
+use super::output::{Format, OK};
 use super::run::pool;
-use super::{Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::create_dir;
 use base::machine::machine_threads;

@@ -2,7 +2,7 @@
 //! force against depth.
 
 use super::console::Console;
-use super::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXPECTATION_FAILED, Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;

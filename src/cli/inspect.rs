@@ -1,7 +1,7 @@
 //! Command `tactus dataset inspect`: contents and integrity of a data set.
 
 use super::console::Console;
-use super::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXPECTATION_FAILED, Format, OK};
 use base::error::Result;
 use base::files::atomic::create_dir;
 use base::number::counted;

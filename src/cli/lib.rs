@@ -10,6 +10,7 @@ mod eval;
 mod findings;
 mod fit;
 mod inspect;
+mod output;
 mod plausible;
 mod predict;
 mod progress;
@@ -18,10 +19,11 @@ mod run;
 mod table;
 mod train;
 mod view;
+mod watch;
 
 use base::error::{Error, Result};
 use base::interrupt;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
@@ -33,18 +35,13 @@ pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
 pub use inspect::InspectArgs;
+pub use output::{EXPECTATION_FAILED, Format, OK, REFUSED};
 pub use predict::PredictArgs;
 pub use report::ReportArgs;
 pub use run::RunArgs;
 pub use train::TrainArgs;
-pub use view::{ViewArgs, WatchArgs};
-
-/// Exit code for success: everything requested was done and every expectation holds.
-pub const OK: u8 = 0;
-/// Exit code for a scene that ran, but of which an expectation does not hold or a grasp failed.
-pub const EXPECTATION_FAILED: u8 = 1;
-/// Exit code for invalid arguments or files, other errors and interruptions.
-pub const REFUSED: u8 = 2;
+pub use view::ViewArgs;
+pub use watch::WatchArgs;
 
 /// A parallel gripper with two soft tactile pads squeezes a rigid object.
 #[derive(Debug, Parser)]
@@ -101,16 +98,6 @@ pub enum Command {
     Man(ManArgs),
 }
 
-/// Format of the output on stdout.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Format {
-    /// Human-readable text.
-    #[default]
-    Text,
-    /// JSON object.
-    Json,
-}
-
 /// Returns the version, the platform, and the versions of the data set layout and of the network features.
 fn long_version() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
@@ -145,14 +132,6 @@ fn last_words() {
     Terminal::fail("\ninterrupted; files that were being written keep their previous contents");
 }
 
-/// Returns `error`; if it is an interruption, its message states what is kept.
-fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
-    match error {
-        Error::Interrupted(_) => Error::Interrupted(format!("interrupted; {}", kept())),
-        other => other,
-    }
-}
-
 fn on_terminal(cli: &Cli) -> Result<u8> {
     // The other commands are short; a signal ends them by its default action.
     let short =
@@ -180,8 +159,8 @@ impl Command {
             Command::Fit(args) => fit::fit(args, console),
             Command::Report(args) => report::report_page(args, console),
             Command::View(args) => view::view(args, console),
-            Command::Completions(args) => completions::completions(args, console),
-            Command::Man(args) => completions::man(args),
+            Command::Completions(args) => completions::completions(args, Cli::command(), console),
+            Command::Man(args) => completions::man(args, Cli::command()),
         }
     }
 }

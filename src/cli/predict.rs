@@ -2,8 +2,8 @@
 
 use super::console::Console;
 use super::dataset::limit;
+use super::output::{EXPECTATION_FAILED, Format, OK};
 use super::run::pool;
-use super::{EXPECTATION_FAILED, Format, OK};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, replace};
 use base::machine::machine_threads;

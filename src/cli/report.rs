@@ -1,7 +1,7 @@
 //! Command `tactus report`: writes results as one self-contained HTML page.
 
 use super::console::Console;
-use super::{Format, OK};
+use super::output::{Format, OK};
 use base::error::Result;
 use base::files::atomic::{create_dir, write_atomic};
 use report::{FRAMES, ReportOptions, report};

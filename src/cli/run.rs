@@ -1,9 +1,10 @@
 //! Command `tactus run`: simulates the grasps of a scene.
 
 use super::console::Console;
+use super::output::{EXPECTATION_FAILED, Format, OK, kept};
 use super::progress::RunProgress;
-use super::view::{WatchArgs, folder, watched};
-use super::{EXPECTATION_FAILED, Format, OK, kept, table};
+use super::table;
+use super::watch::{WatchArgs, folder, watched};
 use backend::simulate::Simulation;
 use base::error::{Error, Result};
 use scene::{Backend, LoadedSet, Overrides, Scene, load_set};

@@ -1,9 +1,9 @@
 //! Command `tactus train`: trains a network on a data set.
 
 use super::console::Console;
+use super::output::{Format, OK, kept};
 use super::run::pool;
-use super::view::{WatchArgs, watched};
-use super::{Format, OK, kept};
+use super::watch::{WatchArgs, watched};
 use base::error::Result;
 use base::machine::machine_threads;
 use dataset::DataSet;

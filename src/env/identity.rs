@@ -1,6 +1,6 @@
 //! Identity of the environments of a scene: a hash of everything that affects an episode, independent of file names.
 
-use super::shared::ObjectKind;
+use super::object_kind::ObjectKind;
 use base::error::{Error, Result};
 use glam::DVec3;
 use net::network::card::WEIGHTS;

@@ -29,6 +29,7 @@ pub mod draw;
 mod environment;
 mod identity;
 pub mod load;
+mod object_kind;
 mod picture;
 mod pool;
 pub mod reward;

@@ -28,10 +28,12 @@ pub mod read;
 pub mod render;
 pub mod report;
 pub mod sensitivity;
+mod status;
 pub mod tactile;
 pub mod vtu;
 
 pub use error_bound::ErrorBound;
 pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, pad_name};
-pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport, Status};
+pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport};
+pub use status::Status;
 pub use tactile::TactileArray;

@@ -3,6 +3,7 @@
 use super::ErrorBound;
 use super::frame::Frame;
 use super::sensitivity::Moved;
+pub use super::status::Status;
 use base::error::{Error, Result};
 use base::files::atomic::write_atomic;
 use base::machine::machine;
@@ -10,33 +11,6 @@ use mech::path::continuation::Methods;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Outcome of a grasp.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// Final load reached without inverted elements.
-    Reached,
-    /// Object dropped: it slid or rolled out of the grasp, or was not held when its support was removed. Frames up to
-    /// there are valid.
-    Dropped,
-    /// Solver failure or invalid result; frames up to there are valid.
-    Fault,
-    /// Grasp that cannot start (too wide, misses the object, or begins in contact).
-    Infeasible,
-}
-
-impl Status {
-    /// Returns the name of the status in reports and files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Status::Reached => "reached",
-            Status::Dropped => "dropped",
-            Status::Fault => "fault",
-            Status::Infeasible => "infeasible",
-        }
-    }
-}
 
 /// Summary of a grasp. Numbers that do not exist (a grasp without frames) are `null` in the file, never NaN.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! Effect of a small change of a grasp on its result, as `run.json` lists it.
 
-use super::Status;
+use super::status::Status;
 use serde::{Deserialize, Serialize};
 
 /// Change of a grasp.

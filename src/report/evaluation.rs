@@ -2,15 +2,15 @@
 
 use super::chart::{Chart, Over, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
-use super::recording::{Errors, RecordedState, Recording};
+use super::recording::{Errors, RecordedState, Recording, truth};
 use super::run::name;
 use super::source::ReportOptions;
 use super::unfinished::unfinished;
 use base::error::{Error, Result};
 use base::number::counted;
 use base::table::Table;
-use dataset::inspect::{chosen, frame};
-use dataset::{DataSet, Manifest, ObjectFile};
+use dataset::inspect::chosen;
+use dataset::{DataSet, Manifest};
 use net::eval::table::{ErrorRow, ranks, rows};
 use net::eval::{Judged, frames, judge};
 use net::infer::predict::Predictor;
@@ -87,19 +87,6 @@ fn objects(set: &DataSet) -> Table {
         table.rows.push([o.name.clone()].into_iter().chain(counts).chain(sizes).collect());
     }
     table
-}
-
-pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
-    let grasp = file.grasp(number)?;
-    let frames = chosen(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
-    Ok(Recording {
-        name: format!("{}, grasp {number}", file.name),
-        about: String::new(),
-        pads: file.pads.clone(),
-        object: file.object.clone(),
-        states: vec![RecordedState { label: "finite elements".into(), frames }],
-        errors: None,
-    })
 }
 
 /// Returns the tables and charts of the network; adds recordings of grasps ranging from the best to the worst to the

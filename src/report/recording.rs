@@ -5,6 +5,8 @@
 
 use super::packed::{indices, numbers};
 use base::error::{Error, Result};
+use dataset::ObjectFile;
+use dataset::inspect::{chosen, frame};
 use geometry::mesh::TriMesh;
 use glam::{DMat3, DVec3};
 use record::render::pad_pose;
@@ -186,5 +188,19 @@ fn state(surfaces: &[Surface], state: &RecordedState) -> Value {
         "origins": origins.collect::<Vec<_>>(),
         "object": object.collect::<Vec<_>>(),
         "travel": state.frames.iter().map(|f| &f.travel).collect::<Vec<_>>(),
+    })
+}
+
+/// Returns the recording of grasp `number` of a data set, with at most `most` of its frames.
+pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
+    let grasp = file.grasp(number)?;
+    let frames = chosen(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
+    Ok(Recording {
+        name: format!("{}, grasp {number}", file.name),
+        about: String::new(),
+        pads: file.pads.clone(),
+        object: file.object.clone(),
+        states: vec![RecordedState { label: "finite elements".into(), frames }],
+        errors: None,
     })
 }

@@ -1,7 +1,7 @@
 //! Section of an unfinished data set: progress, and grasps that have ended.
 
-use super::evaluation::truth;
 use super::page::{Page, PageBlock, Section};
+use super::recording::truth;
 use super::run::name;
 use super::source::ReportOptions;
 use base::number::counted;

@@ -1,7 +1,9 @@
 //! Convention of the poses in a grasp file.
 
+pub use super::axis::HandAxis;
 use super::defaults;
-use glam::{DMat3, DVec3};
+pub use super::quaternion::QuaternionOrder;
+use glam::DMat3;
 use serde::{Deserialize, Serialize};
 
 /// Convention of the poses in a grasp file; the default is that of DefGraspSim.
@@ -17,43 +19,6 @@ pub struct Convention {
     /// Axis of the file's hand frame along which the hand approaches the object.
     #[serde(default = "defaults::approach")]
     pub approach: HandAxis,
-}
-
-/// Order of the components of a quaternion; w is the real part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename = "quaternion")]
-pub enum QuaternionOrder {
-    /// Real part first: Eigen's constructor, MuJoCo, DefGraspSim.
-    Wxyz,
-    /// Real part last: ROS, SciPy, PyBullet, Isaac Gym.
-    Xyzw,
-}
-
-/// Signed axis of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename = "axis")]
-#[allow(missing_docs)]
-pub enum HandAxis {
-    X,
-    Y,
-    Z,
-    MinusX,
-    MinusY,
-    MinusZ,
-}
-
-impl HandAxis {
-    /// Returns the unit vector.
-    pub fn vector(self) -> DVec3 {
-        match self {
-            Self::X => DVec3::X,
-            Self::Y => DVec3::Y,
-            Self::Z => DVec3::Z,
-            Self::MinusX => DVec3::NEG_X,
-            Self::MinusY => DVec3::NEG_Y,
-            Self::MinusZ => DVec3::NEG_Z,
-        }
-    }
 }
 
 impl Default for Convention {

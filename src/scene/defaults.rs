@@ -1,8 +1,9 @@
 //! Defaults of a scene file, each defined once: serde, `Default` and the documentation use these constants.
 
-use super::convention::{HandAxis, QuaternionOrder};
+use super::axis::HandAxis;
 use super::leaf::{Count, Depth, Finite, Fraction, Length, NonNegative, Positive, Ratio, Seconds};
-use super::task::Span;
+use super::quaternion::QuaternionOrder;
+use super::span::Span;
 use super::vector::{Direction, Size, Tuple, Vec3};
 
 /// Declares the constants; the name in parentheses is a function of the same value for `#[serde(default = "...")]`.

@@ -1,9 +1,9 @@
 //! Messages for parser errors, with position and remedy.
 
+use super::excerpt::{clipped, floor, shortened};
 use super::outline::{Outline, OutlineEntry};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use ron::error::{Error as Ron, Position, SpannedError};
-use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -26,18 +26,6 @@ const RENAMED_FIELDS: [(&str, &str); 1] = [(
 
 /// Longest message, bytes: a message may quote a word of the scene, which may be as long as the file.
 const MESSAGE: usize = 1000;
-/// Longest name in a message, bytes.
-const NAME: usize = 60;
-
-/// Returns at most `most` bytes of a text, followed by dots if it is longer.
-fn shortened(text: &str, most: usize) -> Cow<'_, str> {
-    if text.len() <= most { text.into() } else { format!("{}...", &text[..floor(text, most)]).into() }
-}
-
-/// Returns a name from the scene, shortened for a message.
-pub(super) fn clipped(name: &str) -> Cow<'_, str> {
-    shortened(name, NAME)
-}
 
 impl Diagnosis {
     /// Creates a diagnosis from a message; its lines after the first are the help.
@@ -267,13 +255,4 @@ fn byte_of(text: &str, position: Position) -> usize {
         }
     }
     text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(i, _)| start + i)
-}
-
-/// Returns the nearest character boundary at or before a byte.
-fn floor(text: &str, at: usize) -> usize {
-    let mut at = at.min(text.len());
-    while !text.is_char_boundary(at) {
-        at -= 1;
-    }
-    at
 }

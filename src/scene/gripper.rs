@@ -1,6 +1,6 @@
 //! Gripper: two fingers (or one), each with a soft pad.
 
-use super::convention::HandAxis;
+use super::axis::HandAxis;
 use super::defaults;
 use super::leaf::{Finite, Length, NonNegative};
 use super::material::MaterialChoice;

@@ -9,6 +9,7 @@
 //!                    any refusal -> diagnose: message, file:line:column, caret, what is allowed
 //! ```
 
+mod axis;
 pub mod bonding;
 mod check;
 pub mod convention;
@@ -17,6 +18,7 @@ mod diagnose;
 pub mod dialect;
 pub mod dynamic;
 mod either;
+mod excerpt;
 pub mod expect;
 pub mod grasps;
 pub mod gripper;
@@ -37,11 +39,13 @@ pub mod overrides;
 pub mod pad;
 mod paths;
 mod places;
+mod quaternion;
 pub mod reward;
 pub mod robot;
 pub mod rotation;
 mod schema;
 mod source;
+mod span;
 pub mod stepper;
 pub mod task;
 pub mod universe;
@@ -58,13 +62,13 @@ pub use load::{Loaded, LoadedSet, load, load_object, load_seeded, load_set, plac
 pub use loading::{Loading, Press, Squeeze};
 pub use material::{Law, MaterialChoice, MaterialSpec, Preset};
 pub use object::{Object, ObjectMotion, ObjectShape};
-pub use objects::{Name, NamedScene, Split};
+pub use objects::{Name, Split};
 pub use observation::{Grid, Markers, Observe};
 pub use output::{Arrays, Field, Record};
 pub use overrides::{Backend, Overrides};
 pub use pad::Pads;
 pub use reward::Reward;
-pub use schema::Scene;
+pub use schema::{NamedScene, Scene};
 pub use source::SIZE_LIMIT;
 pub use stepper::{Condensed, Element, Fem, FinerMesh, Gnn, Solver, StepperChoice, Tolerance};
 pub use task::Task;

@@ -1,11 +1,12 @@
 //! Loads a scene file with its includes: `path -> Scene`, or one error that shows the line and the allowed values.
 
 use super::check;
-use super::diagnose::{Diagnosis, clipped};
+use super::diagnose::Diagnosis;
+use super::excerpt::clipped;
 use super::include::{Loader, folder};
-use super::objects::{Name, NamedScene, Split};
+use super::objects::{Name, Split};
 use super::places::{FieldPlaces, Origins, SceneText};
-use super::schema::Scene;
+use super::schema::{NamedScene, Scene};
 use super::source::{is_stream, shown};
 use base::error::{Error, Result};
 use std::path::{Path, PathBuf};

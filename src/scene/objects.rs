@@ -6,7 +6,6 @@ use super::gripper::Gripper;
 use super::leaf::Fraction;
 use super::loading::Loading;
 use super::object::Object;
-use super::schema::Scene;
 use super::vector::Vec3;
 use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
@@ -87,13 +86,4 @@ impl Default for Split {
     fn default() -> Self {
         Self { test: super::defaults::SPLIT_TEST, seed: 0 }
     }
-}
-
-/// Scene of one object, with the object's name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedScene {
-    /// Name of the object.
-    pub name: Name,
-    /// Scene with this object only.
-    pub scene: Scene,
 }

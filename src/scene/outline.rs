@@ -4,7 +4,7 @@
 //! serde discards positions after a value is read, but the messages of later checks across fields show the position of
 //! the field. On invalid text the outline ends early.
 
-use super::diagnose::clipped;
+use super::excerpt::clipped;
 use std::ops::Range;
 
 /// Field or list element with its position in the text.

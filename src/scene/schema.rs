@@ -6,7 +6,7 @@ use super::gripper::Gripper;
 use super::ground::Ground;
 use super::loading::Loading;
 use super::object::Object;
-use super::objects::{Entry, Name, NamedScene, Split};
+use super::objects::{Entry, Name, Split};
 use super::output::Record;
 use super::stepper::{FinerMesh, StepperChoice};
 use super::task::Task;
@@ -95,6 +95,15 @@ impl Scene {
         self.expect.clear();
         self.expect_network = None;
     }
+}
+
+/// Scene of one object, with the object's name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedScene {
+    /// Name of the object.
+    pub name: Name,
+    /// Scene with this object only.
+    pub scene: Scene,
 }
 
 /// Declares [`ScenePart`] and all code that handles it field by field, so that a new field is added in one place.

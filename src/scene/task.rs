@@ -2,17 +2,11 @@
 
 use super::defaults;
 use super::leaf::{Count, Depth, Length, NonNegative, Positive};
-use super::loading::Loading;
-use super::object::ObjectMotion;
-use super::schema::Scene;
-use super::vector::{Tuple, Vec3};
+pub use super::span::Span;
+use super::vector::Vec3;
 use crate::Observe;
 use crate::Reward;
-use base::number::shown;
 use serde::{Deserialize, Serialize};
-
-/// Range from the smallest to the largest value.
-pub type Span = Tuple<Positive, 2>;
 
 /// Task of an agent. In an episode the hand closes on the object, which lies on a support, and squeezes with the force
 /// `start`; the support is then withdrawn in `lift` steps, after which pushes may follow. Loads act at the object's
@@ -131,53 +125,5 @@ impl Default for Randomise {
             shift: defaults::TASK_SHIFT,
             turn_deg: defaults::TASK_TURN,
         }
-    }
-}
-
-impl Tuple<Positive, 2> {
-    /// Returns the linear interpolation at `part` (0..1) of the range.
-    pub fn at(self, part: f64) -> f64 {
-        let [low, high] = self.0.map(Positive::get);
-        low + part * (high - low)
-    }
-}
-
-/// Returns the first invalid value, as field and message.
-pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
-    let task = scene.task.as_ref()?;
-    let field = |name: &str, message: &str| Some((format!("task{name}"), message.to_string()));
-    let random = &task.randomise;
-    let spans = [
-        (".force", Some(task.force)),
-        (".pushes.force", task.pushes.map(|p| p.force)),
-        (".randomise.young", random.young),
-        (".randomise.friction", random.friction),
-        (".randomise.density", random.density),
-    ];
-    let falls = |s: &Span| s.0[0].get() > s.0[1].get();
-    if let Some((name, _)) = spans.iter().find(|(_, s)| s.as_ref().is_some_and(falls)) {
-        return field(name, "the first number is the minimum, the second the maximum: (1, 10)");
-    }
-    let [least, most] = task.force.0.map(Positive::get);
-    if !(least..=most).contains(&task.start.get()) {
-        return field(".start", &format!("must lie within the allowed force, {} to {} N", shown(least), shown(most)));
-    }
-    if task.observe.is_empty() {
-        return field(".observe", "the agent has no observations\nleave `observe` out for the default");
-    }
-    if (1..task.observe.len()).any(|i| task.observe[..i].iter().any(|o| o.name() == task.observe[i].name())) {
-        return field(".observe", "two observations have the same name");
-    }
-    if scene.gravity.is_some() {
-        return field(
-            ".gravity",
-            "gravity of a task is a field of the task, which removes the support gradually\nmove `gravity` into `task`",
-        );
-    }
-    let free = scene.object.motion == ObjectMotion::Free;
-    match &scene.loading {
-        Loading::Squeeze(_) if free => None,
-        Loading::Squeeze(_) => field("", "a task needs a free object\nuse motion: Free"),
-        _ => field("", "a task squeezes by force\nuse loading: Squeeze(force: ...)"),
     }
 }

@@ -2,9 +2,10 @@
 //! [`Model`], so any number may run in parallel.
 
 use crate::Stepper;
-use crate::schedule::{CurrentGrasp, FallbackReason, Phase, Recorded, Shared, StepSet, Timings, schedule};
+use crate::schedule::{CurrentGrasp, FallbackReason, Phase, Recorded, Shared, StepSet, Timings};
 use crate::spawn::{begin, spawn};
 use crate::systems::audit::Audited;
+use crate::systems::schedule;
 use base::error::{Error, Result};
 use bevy_ecs::prelude::*;
 use geometry::Pose;

@@ -1,4 +1,4 @@
-//! Schedule of a step: the order of its systems, fixed once, and the resources that pass between the sets of a step.
+//! Schedule of a step: the sets of its systems in their order, and the resources that pass between them.
 //!
 //! ```text
 //! Control  -> Sense            -> Advance        -> Accept   -> Measure                 -> Record
@@ -9,13 +9,11 @@
 //! A run of the schedule is one step of the published procedure, whose state is explicit ([`Phase`]): place the object
 //! in the hand, close to first contact, then one recorded load level per step.
 
-use crate::systems;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
-use geometry::Pose;
-use geometry::Wrench;
+use bevy_ecs::schedule::ScheduleLabel;
+use geometry::{Pose, Wrench};
 use mech::path::continuation::Methods;
-use model::{Model, Needs};
+use model::Model;
 use record::{ErrorBound, Frame};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -218,20 +216,4 @@ pub fn ramping(phase: Res<Phase>) -> bool {
 /// Run condition: the stepper reached the level of this step.
 pub fn reached(report: Res<StepReport>) -> bool {
     report.reached
-}
-
-/// Returns the schedule without a stepper. Two systems that access the same data in an undefined order are an error.
-pub fn schedule(needs: &Needs) -> Schedule {
-    let mut schedule = Schedule::new(StepLabel);
-    schedule.set_build_settings(ScheduleBuildSettings {
-        ambiguity_detection: LogLevel::Error,
-        hierarchy_detection: LogLevel::Error,
-        ..ScheduleBuildSettings::new()
-    });
-    // Worlds run in parallel; within one, threads would only add overhead.
-    schedule.set_executor(SingleThreadedExecutor::new());
-    use StepSet::*;
-    schedule.configure_sets((Control, Sense, Advance, Accept, Measure, Record).chain());
-    systems::register(&mut schedule, needs);
-    schedule
 }

@@ -1,6 +1,7 @@
 //! Vertices and edges of an object that are tested against the faces of a pad whose mesh is too coarse to resolve them.
 
 use crate::mesh::TriMesh;
+pub use crate::shape::feature_point::FeaturePoint;
 use crate::shape::polygon::Profile;
 use crate::shape::ring::Ring;
 use crate::shape::rod::Rod;
@@ -11,17 +12,6 @@ use std::f64::consts::TAU;
 
 /// Angle between the normals of two faces above which their edge is sharp, rad (20 degrees).
 pub const SHARP: f64 = 20.0 / 180.0 * std::f64::consts::PI;
-
-/// Contact vertex of the object: a surface point that is tested against the faces of a pad.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeaturePoint {
-    /// Position, m.
-    pub position: DVec3,
-    /// Unit outward pseudo-normal.
-    pub normal: DVec3,
-    /// True if a sharp convex edge or tip passes through the point.
-    pub sharp: bool,
-}
 
 /// Convex edge; sharp if the normals of its faces differ by more than [`SHARP`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Tightly curved parts of a solid of revolution, which would penetrate a pad between its contact samples.
 
-use super::features::FeaturePoint;
+use super::feature_point::FeaturePoint;
 use super::polygon::Profile;
 use base::scales::{CORNER_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};

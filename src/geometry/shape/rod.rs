@@ -1,6 +1,6 @@
 //! Ball, pin or capsule so thin that it would penetrate a pad between its contact samples.
 
-use super::features::FeaturePoint;
+use super::feature_point::FeaturePoint;
 use base::scales::{ROD_CUT, SAMPLE_CUT};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -7,36 +7,15 @@
 use crate::Aabb;
 use crate::mesh::TriMesh;
 use crate::mesh::disjoint_sets::DisjointSets;
-use crate::shape::features::{FeaturePoint, Ridge, SHARP, parts};
+use crate::shape::features::{FeaturePoint, Ridge, SHARP, SurfaceFeatures, parts};
 use crate::shape::level_set::LevelSet;
+use crate::shape::solid::Shape;
+pub use crate::shape::surface_definition::{SmoothSurface, SurfaceDefinition};
 use crate::shape::topology::Topology;
-use crate::shape::{Shape, SurfaceFeatures};
 use base::error::{Error, Result};
 use glam::DVec3;
 use glamx::DSymmetricEigen3;
 use std::sync::Arc;
-
-/// How a shape defines its surface.
-#[derive(Debug, Clone)]
-pub enum SurfaceDefinition {
-    /// A distance in closed form; the mesh is for display, with vertices on the true surface.
-    ClosedForm,
-    /// The facets of the mesh.
-    Facets,
-    /// A smooth surface near the facets; the mesh is for display, with vertices on it.
-    Smooth(SmoothSurface),
-}
-
-/// Smooth surface, and its distance from the mesh that it approximates.
-#[derive(Debug, Clone)]
-pub struct SmoothSurface {
-    /// The surface.
-    pub level: Arc<LevelSet>,
-    /// Largest distance of the mesh's vertices, edge midpoints and triangle centroids from the surface, m.
-    pub largest: f64,
-    /// Area-weighted root mean square of these distances, m.
-    pub rms: f64,
-}
 
 /// Angle below which adjacent triangles belong to one flat face, rad.
 const COPLANAR: f64 = 0.5 / 180.0 * std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Motion that changes the squeezing force.
 
-use super::{HandState, Play, Stage};
+use super::play::{HandState, Play, Stage};
 use crate::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! Motion that keeps the hand in place.
 
-use super::{HandState, Play, Stage};
+use super::play::{HandState, Play, Stage};
 use crate::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! Motion against gravity.
 
-use super::{HandState, Play, Stage, smooth};
+use super::play::{HandState, Play, Stage, smooth};
 use crate::leaf::{Finite, Seconds};
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,12 @@
-//! Motions of the hand in a dynamic scene, executed one after the other: one file per motion.
+//! Motions of the hand in a dynamic scene, executed one after the other: one file per motion, except [`Repeat`],
+//! which holds motions.
 //!
 //! To add a motion, write one file with a struct that implements [`Play`] and one line in `motions!`.
 
 mod close;
 mod hold;
 mod lift;
-mod repeat;
+mod play;
 mod rotate;
 mod shake;
 mod shift;
@@ -13,53 +14,13 @@ mod shift;
 pub use close::Close;
 pub use hold::Hold;
 pub use lift::Lift;
-pub use repeat::Repeat;
+pub use play::{HandState, Play, Stage};
 pub use rotate::Rotate;
 pub use shake::Shake;
 pub use shift::Move;
 
-use geometry::Pose;
-use glam::DVec3;
+use crate::leaf::Count;
 use serde::{Deserialize, Serialize};
-
-/// Pose and squeezing force of the hand.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HandState {
-    /// Pose of the hand in the world.
-    pub pose: Pose,
-    /// Sum of the closing forces of the fingers, N.
-    pub force: f64,
-}
-
-impl HandState {
-    /// Returns this state with the hand displaced by `by` (m, world frame).
-    fn displaced(&self, by: DVec3) -> Self {
-        Self { pose: Pose { position: self.pose.position + by, ..self.pose }, ..*self }
-    }
-}
-
-/// Properties of the scene that a motion needs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stage {
-    /// Unit vector against gravity, world; zero without gravity.
-    pub up: DVec3,
-    /// Point midway between the pads, hand frame, m.
-    pub center: DVec3,
-}
-
-/// Motion of the hand.
-pub trait Play {
-    /// Returns the duration, s.
-    fn duration(&self) -> f64;
-    /// Returns the state of the hand at `time` (0 to the duration, s) after the start of the motion from `start`.
-    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState;
-    /// Adds to `found` the end time (s) and the force (N) of every squeeze of a motion that begins at `begin` (s).
-    fn squeezes(&self, _begin: f64, _found: &mut Vec<(f64, f64)>) {}
-    /// Returns true if the direction of the motion is defined by gravity.
-    fn needs_gravity(&self) -> bool {
-        false
-    }
-}
 
 /// Declares [`Motion`] with one variant per kind.
 macro_rules! motions {
@@ -98,6 +59,43 @@ motions! {
     Repeat,
 }
 
+/// Executes a sequence of motions several times.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// Number of repetitions.
+    pub times: Count<1, 10000>,
+    /// Motions to repeat.
+    pub motions: Vec<Motion>,
+}
+
+impl Play for Repeat {
+    fn duration(&self) -> f64 {
+        self.times.get() as f64 * duration(&self.motions)
+    }
+
+    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
+        let (mut hand, mut rest, once) = (*start, time, duration(&self.motions));
+        for _ in 1..self.times.get() {
+            if rest < once {
+                break;
+            }
+            hand = follow(&self.motions, &hand, once, stage);
+            rest -= once;
+        }
+        follow(&self.motions, &hand, rest, stage)
+    }
+
+    fn squeezes(&self, begin: f64, found: &mut Vec<(f64, f64)>) {
+        let once = squeezes(&self.motions);
+        found.extend(once.into_iter().map(|(end, force)| (begin + end, force)));
+    }
+
+    fn needs_gravity(&self) -> bool {
+        self.motions.iter().any(|m| m.play().needs_gravity())
+    }
+}
+
 /// Returns the total duration of motions executed one after the other, s.
 pub fn duration(motions: &[Motion]) -> f64 {
     motions.iter().map(|m| m.play().duration()).sum()
@@ -127,10 +125,4 @@ pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
         begin += motion.play().duration();
     }
     found
-}
-
-/// Rises from 0 to 1 with zero velocity and acceleration at both ends (minimum jerk: Flash & Hogan 1985, equation 2).
-fn smooth(s: f64) -> f64 {
-    let s = s.clamp(0.0, 1.0);
-    s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }

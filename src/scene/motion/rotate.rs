@@ -1,6 +1,6 @@
 //! Rotation of the hand.
 
-use super::{HandState, Play, Stage, smooth};
+use super::play::{HandState, Play, Stage, smooth};
 use crate::leaf::{Finite, Seconds};
 use crate::vector::Direction;
 use geometry::Pose;

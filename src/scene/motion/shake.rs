@@ -1,6 +1,6 @@
 //! Oscillation of the hand.
 
-use super::{HandState, Play, Stage, smooth};
+use super::play::{HandState, Play, Stage, smooth};
 use crate::leaf::{Length, Positive, Seconds};
 use crate::vector::Direction;
 use serde::{Deserialize, Serialize};

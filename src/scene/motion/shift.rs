@@ -1,6 +1,6 @@
 //! Translation of the hand.
 
-use super::{HandState, Play, Stage, smooth};
+use super::play::{HandState, Play, Stage, smooth};
 use crate::leaf::Seconds;
 use crate::vector::Vec3;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Fingers of a gripper: poses of their pads in the hand, their sliding joints, and the conditions for a parallel
 //! gripper.
 
-use super::Mount;
+use super::mounting::Mount;
 use super::tolerance::{ANGLE, Deviation, PLACE};
 use super::tree::{JointRange, LinkTree, Mobility};
 use glam::{DAffine3, DMat3, DVec3};

@@ -3,6 +3,7 @@
 mod fem;
 mod finger;
 mod mjcf;
+mod mounting;
 mod package;
 mod soft;
 mod tolerance;
@@ -10,6 +11,7 @@ mod tree;
 mod urdf;
 mod xml;
 
+pub use mounting::{Mount, Mounted};
 pub use soft::SoftPad;
 
 use finger::{Finger, closing, gripper};
@@ -18,30 +20,6 @@ use std::path::Path;
 use tolerance::Deviation;
 use tree::LinkTree;
 use xml::{XmlElement, XmlReader};
-
-/// Pad positions and travel of a parallel gripper.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mount {
-    /// Largest distance between the two sensing faces, m.
-    pub opening: f64,
-    /// Travel of each finger, m.
-    pub stroke: f64,
-    /// Centre of the sensing faces along the finger width, m, hand frame.
-    pub y: f64,
-    /// Centre of the sensing faces along the approach, m, hand frame.
-    pub z: f64,
-}
-
-/// Gripper read from a description.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mounted {
-    /// Pad positions and travel.
-    pub mount: Mount,
-    /// Soft pads, left first; None if the description has none.
-    pub soft: Option<[SoftPad; 2]>,
-    /// Notice about accepted residuals from an exact parallel gripper: angles, positions, unequal travels.
-    pub notice: Option<String>,
-}
 
 /// Reads the URDF or MJCF description at `path` and locates the pads on the hand whose base is the link `hand`: their
 /// sensing faces are centred at the links `pads`, left first. `approach` is the approach direction, an axis of the

@@ -5,6 +5,7 @@
 //! network computes the response of each sensor once. All values follow from the seed and the index of the object: a
 //! data set begins with the objects of any smaller data set of the same seed.
 
+mod draws;
 mod pad;
 mod shape;
 
@@ -15,9 +16,10 @@ use super::leaf::{Count, NonNegative, Positive};
 use super::loading::{Loading, ObjectPush, Squeeze};
 use super::object::{DroppedAfter, Object, ObjectMotion};
 use super::objects::{Entry, Name};
-use super::task::Span;
+use super::span::Span;
 use super::vector::{Tuple, Vec3};
 use base::random::Random;
+use draws::{Draws, written};
 use serde::{Deserialize, Serialize};
 
 pub use pad::PadSpans;
@@ -106,38 +108,6 @@ const PERPENDICULAR_TILT_DEG: f64 = 1e-3;
 /// Streams of random numbers for objects and for sensors.
 const OBJECTS: u64 = 0;
 const SENSORS: u64 = 1;
-
-/// Random draws from ranges.
-struct Draws(Random);
-
-impl Draws {
-    /// Draws uniformly between two values.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.unit()
-    }
-
-    /// Draws uniformly from a range.
-    fn within(&mut self, span: &Span) -> f64 {
-        self.between(span.0[0].get(), span.0[1].get())
-    }
-
-    /// Draws log-uniformly from a range.
-    fn factor(&mut self, span: &Span) -> f64 {
-        self.between(span.0[0].get().ln(), span.0[1].get().ln()).exp()
-    }
-
-    /// Returns true with probability `part`.
-    fn is_in(&mut self, part: f64) -> bool {
-        self.0.unit() < part
-    }
-}
-
-/// Returns the value rounded to six significant digits, so that its decimal form is short.
-fn written(value: f64) -> f64 {
-    let unit = 10.0_f64.powf(value.abs().max(f64::MIN_POSITIVE).log10().floor() - 5.0);
-    // Division by an integer power of ten gives the double nearest to the decimal number.
-    if unit < 1.0 { (value / unit).round() / (1.0 / unit).round() } else { (value / unit).round() * unit }
-}
 
 impl Universe {
     /// Returns the first invalid field, with the message for the user.
@@ -279,18 +249,4 @@ fn push(part: f64, holds: f64, thickness: f64, draws: &mut Draws) -> (Vec3, Vec3
         vector([0.0, force * across.cos(), force * across.sin()]),
         vector([torque * kind.sin(), tilt * about.cos(), tilt * about.sin()]),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn drawn_numbers_are_those_that_a_file_holds() {
-        for value in [0.0123456789, 12.345678, 1.23456789e-5, 123456789.0, 9.81] {
-            let written = written(value);
-            assert!((written / value - 1.0).abs() < 5e-6, "{written} for {value}");
-            assert!(format!("{written}").len() <= 12, "{written}");
-        }
-    }
 }

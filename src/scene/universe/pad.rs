@@ -1,10 +1,10 @@
 //! Pads drawn at random.
 
-use super::{Draws, written};
+use super::draws::{Draws, written};
 use crate::defaults;
 use crate::leaf::{Length, NonNegative};
 use crate::pad::{BoxPad, DiscPad, GelShape, GelSightMini, Pads};
-use crate::task::Span;
+use crate::span::Span;
 use crate::vector::Tuple;
 use serde::{Deserialize, Serialize};
 

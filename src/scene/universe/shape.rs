@@ -1,6 +1,6 @@
 //! Shapes drawn at random.
 
-use super::{Draws, written};
+use super::draws::{Draws, written};
 use crate::leaf::{Count, Depth, Finite, Length, NonNegative, Positive};
 use crate::object::*;
 use crate::vector::{Tuple, Vec2};

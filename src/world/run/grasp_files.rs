@@ -1,6 +1,6 @@
 //! Files of one grasp. Grasps are independent of each other, so several may be recorded at once from different threads.
 
-use super::recorder::Options;
+use super::options::Options;
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use geometry::mesh::TriMesh;

@@ -3,6 +3,7 @@
 pub mod effort;
 pub mod grasp_files;
 mod motion;
+mod options;
 pub mod recorder;
 pub mod sensitivity;
 pub mod writer;
@@ -19,8 +20,9 @@ use model::Model;
 use model::judge::Findings;
 use model::judge::Measured;
 use model::limits::free_memory;
+pub use options::Options;
 use record::{Frame, GraspSummary, Status};
-pub use recorder::{Options, RunRecorder};
+pub use recorder::RunRecorder;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};

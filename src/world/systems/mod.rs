@@ -1,4 +1,5 @@
-//! Systems common to all steppers: commands of the gripper, balance of the forces, the frame.
+//! Systems common to all steppers (commands of the gripper, balance of the forces, the frame), and the schedule that
+//! holds them.
 
 pub mod apart;
 pub mod audit;
@@ -11,10 +12,27 @@ pub mod sense;
 pub mod slip;
 mod tactile;
 
-use crate::schedule::{StepSet, ramping, reached};
+use crate::schedule::{StepLabel, StepSet, ramping, reached};
 use crate::systems::audit::audit_frame;
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecutor};
 use model::Needs;
+
+/// Returns the schedule without a stepper. Two systems that access the same data in an undefined order are an error.
+pub fn schedule(needs: &Needs) -> Schedule {
+    let mut schedule = Schedule::new(StepLabel);
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        hierarchy_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::new()
+    });
+    // Worlds run in parallel; within one, threads would only add overhead.
+    schedule.set_executor(SingleThreadedExecutor::new());
+    use StepSet::*;
+    schedule.configure_sets((Control, Sense, Advance, Accept, Measure, Record).chain());
+    register(&mut schedule, needs);
+    schedule
+}
 
 /// Adds the shared systems to their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::convert::convert;
 use super::text::{self, VertexReference, Word};
 use crate::mesh::TetMesh;
 use base::error::{Error, Result};
@@ -14,10 +15,7 @@ use base::error::{Error, Result};
 /// differs from the content, and a bad number or index. The error states line and column.
 pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>)> {
     if bytes.contains(&0) {
-        return Err(Error::file(
-            path,
-            format!("binary Medit is not supported; write ASCII, or {}", super::convert(path)),
-        ));
+        return Err(Error::file(path, format!("binary Medit is not supported; write ASCII, or {}", convert(path))));
     }
     let source = text::decode(path, bytes)?;
     let mut words = text::lines(&source, Some('#')).flat_map(|l| l.words).peekable();

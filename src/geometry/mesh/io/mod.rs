@@ -1,5 +1,7 @@
 //! Reading and writing of mesh files; the extension determines the format. Coordinates are taken as metres.
 
+mod convert;
+mod file;
 mod gmsh;
 mod medit;
 mod obj;
@@ -17,15 +19,14 @@ pub use write::{write_obj, write_stl, write_tet};
 
 use crate::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
 use base::error::{Error, Result};
-use base::files::regular;
 use base::number::counted;
+use convert::{convert, names};
+use file::read_bytes;
+pub(crate) use file::read_text;
 
 /// Supported formats of triangle meshes, for messages.
 const SURFACES: &str =
     ".obj, .stl, .ply (a STEP or IGES solid: export it as STL; glTF, OFF, 3MF, DAE: convert with MeshLab or Blender)";
-
-/// Size of the largest file that is read, bytes.
-const MAX_BYTES: u64 = 1 << 31;
 
 /// Reads a tetrahedral mesh and repairs it with [`clean::repair`]: `.tet` (Isaac Gym), `.msh` (gmsh 2.2, 4.0 or 4.1,
 /// ASCII or binary, tetrahedra of first or second order), `.mesh` (Medit ASCII), `.vtk` (legacy, ASCII or binary) or
@@ -162,30 +163,4 @@ fn advice(path: &Path, extension: &str) -> String {
         }
         _ => String::new(),
     }
-}
-
-/// Returns the command that converts a file to gmsh. (Without `-o`, meshio takes `.msh` for a format of ANSYS; to write
-/// version 4.1 it requires data that most files lack.)
-fn convert(path: &Path) -> String {
-    let (name, mesh) = names(path);
-    format!("convert it with Python's meshio: `meshio convert -o gmsh22 {name} {mesh}`")
-}
-
-/// Returns the names of a file and of the gmsh file to which it is converted.
-fn names(path: &Path) -> (String, String) {
-    let name = |p: &Path| p.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mesh = name(&path.with_extension("msh"));
-    let own = name(path);
-    let mesh = if mesh == own { format!("gmsh_{mesh}") } else { mesh };
-    (own, mesh)
-}
-
-/// Returns all bytes of a mesh file.
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    regular::read(path, MAX_BYTES)
-}
-
-/// Reads a text file, see [`text::decode`].
-pub(crate) fn read_text(path: &Path) -> Result<String> {
-    text::decode(path, read_bytes(path)?)
 }

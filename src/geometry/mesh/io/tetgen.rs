@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use super::file::read_text;
 use super::text::{self, Line, VertexReference};
 use crate::mesh::TetMesh;
 use base::error::{Error, Result};
@@ -21,8 +22,8 @@ pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
         }
     }
     let (mut mesh, mut notices) = (TetMesh::default(), Vec::new());
-    let first = points(&nodes, &super::read_text(&nodes)?, &mut mesh)?;
-    let width = tetrahedra(&elements, &super::read_text(&elements)?, first, &mut mesh)?;
+    let first = points(&nodes, &read_text(&nodes)?, &mut mesh)?;
+    let width = tetrahedra(&elements, &read_text(&elements)?, first, &mut mesh)?;
     if mesh.tets.is_empty() {
         return Err(Error::file(path, format!("the mesh is empty: {} nodes and 0 tetrahedra", mesh.nodes.len())));
     }

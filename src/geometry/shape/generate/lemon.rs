@@ -1,7 +1,7 @@
 //! Lemons.
 
 use crate::shape::Shape;
-use crate::shape::generate::fruit;
+use crate::shape::generate::fruit::fruit;
 use base::error::Result;
 
 /// Builds a lemon: an ellipsoid with a blunt tip at both ends; overall length and diameter in m.

@@ -1,7 +1,7 @@
 //! Pears.
 
 use crate::shape::Shape;
-use crate::shape::generate::fruit;
+use crate::shape::generate::fruit::fruit;
 use base::error::Result;
 
 /// Builds a pear: a bulb at -z that narrows into a neck at +z; overall length and diameter in m.

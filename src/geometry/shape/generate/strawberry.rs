@@ -1,7 +1,7 @@
 //! Strawberries.
 
 use crate::shape::Shape;
-use crate::shape::generate::fruit;
+use crate::shape::generate::fruit::fruit;
 use base::error::Result;
 
 /// Builds a strawberry: a rounded cone, tip at -z, shoulder at +z; overall length and diameter in m.

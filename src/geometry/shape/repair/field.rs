@@ -1,6 +1,6 @@
 //! Grid of nodes, each inside or outside a surface.
 
-use super::padded_bounds;
+use crate::Aabb;
 use crate::shape::winding::Winding;
 use glam::{DVec3, USizeVec3};
 use rayon::prelude::*;
@@ -88,4 +88,11 @@ impl OccupancyGrid {
         let n = self.counts - 1;
         (0..n.element_product()).map(move |i| USizeVec3::new(i % n.x, i / n.x % n.y, i / (n.x * n.y)))
     }
+}
+
+/// Returns the bounding box, enlarged such that no side is shorter than a twentieth of the longest, m.
+fn padded_bounds(bounds: Aabb) -> Aabb {
+    let size = bounds.size();
+    let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));
+    Aabb { min: bounds.center() - half, max: bounds.center() + half }
 }

@@ -4,11 +4,10 @@ mod contour;
 mod field;
 mod fill;
 
-use crate::Aabb;
 use crate::mesh::shells::{orient, orient_consistently, shells};
 use crate::mesh::topology::{drop_unused, watertight};
 use crate::mesh::{TriMesh, show};
-use crate::shape::sound::judge;
+use crate::shape::validity::judge;
 use crate::shape::winding::Winding;
 use base::error::{Error, Result};
 use base::number::counted;
@@ -121,11 +120,4 @@ impl Moved {
             new: 1.0 - near.len() as f64 / away.len().max(1) as f64,
         }
     }
-}
-
-/// Returns the bounding box, enlarged such that no side is shorter than a twentieth of the longest, m.
-fn padded_bounds(bounds: Aabb) -> Aabb {
-    let size = bounds.size();
-    let half = 0.5 * size.max(DVec3::splat(0.05 * size.max_element()));
-    Aabb { min: bounds.center() - half, max: bounds.center() + half }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::collect::{Collected, kept_nodes};
 use super::groups::NumberWidth;
-use super::{PARAMETRIC, Version, declared};
+use super::version::{PARAMETRIC, Version, declared};
 use crate::mesh::TetMesh;
 use crate::mesh::io::text::{self, Line};
 use base::error::{Error, Result};

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::collect::{Collected, kept_nodes};
 use super::cursor::Cursor;
 use super::groups::NumberWidth;
-use super::{PARAMETRIC, Version, declared};
+use super::version::{PARAMETRIC, Version, declared};
 use crate::mesh::{MAX_COUNT, TetMesh};
 use base::error::Result;
 

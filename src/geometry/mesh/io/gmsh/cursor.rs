@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::{Version, find};
+use super::version::Version;
 use crate::mesh::MAX_COUNT;
 use crate::mesh::io::text::quote;
 use base::error::{Error, Result};
@@ -212,4 +212,9 @@ impl<'a> Cursor<'a> {
         self.take(8 * extra, "the parameters of a node")?;
         Ok(DVec3::from_array(p))
     }
+}
+
+/// Returns the first position of `wanted`.
+pub(super) fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
+    bytes.windows(wanted.len()).position(|w| w == wanted)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Version;
+use super::version::Version;
 use base::error::{Error, Result};
 use base::number::counted;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Content, Index};
+use super::content::{Index, VtkContent};
 use crate::mesh::io::text;
 use base::error::{Error, Result};
 
@@ -64,7 +64,7 @@ fn size(kind: &str) -> Option<usize> {
     }
 }
 
-impl<'a> Content<'a> for Bytes<'a> {
+impl<'a> VtkContent<'a> for Bytes<'a> {
     fn fail(&self, message: String) -> Error {
         Error::file(self.path, format!("byte {}: {message}", self.at))
     }

@@ -4,6 +4,7 @@
 //! separately.
 
 mod binary;
+mod content;
 mod words;
 
 use std::path::Path;
@@ -13,62 +14,12 @@ use crate::mesh::{MAX_COUNT, TetMesh};
 use base::error::{Error, Result};
 use base::number::counted;
 use binary::Bytes;
+use content::{Index, VtkContent};
 use glam::DVec3;
 use words::Words;
 
 /// Cell types of the 4-node and of the 10-node tetrahedron in VTK.
 const TETRAHEDRA: [u64; 2] = [10, 24];
-
-/// Integer of a file, with its line and column, both 1-based, if the file is text.
-#[derive(Debug, Clone, Copy)]
-struct Index {
-    value: u64,
-    place: Option<(usize, usize)>,
-}
-
-/// Content of a file, word by word and array by array.
-trait Content<'a> {
-    /// Returns an error at the position that was read last.
-    fn fail(&self, message: String) -> Error;
-
-    /// Returns the next word of a line of text; None at the end of the file.
-    fn word(&mut self) -> Result<Option<&'a str>>;
-
-    /// Returns the type of the offsets if the cells are in the form of version 5, with separate offsets and
-    /// connectivity.
-    fn offsets(&mut self) -> Result<Option<&'a str>>;
-
-    /// Reads `n` real numbers of the type `kind`, all finite.
-    fn reals(&mut self, n: usize, kind: &str) -> Result<Vec<f64>>;
-
-    /// Reads `n` non-negative integers of the type `kind`.
-    fn integers(&mut self, n: usize, kind: &str) -> Result<Vec<Index>>;
-
-    /// Skips an unused section, whose keyword was read last.
-    fn pass_over(&mut self, keyword: &str) -> Result<()>;
-
-    /// Returns the next word; `expected` names it.
-    fn next(&mut self, expected: &str) -> Result<&'a str> {
-        match self.word()? {
-            Some(word) => Ok(word),
-            None => Err(self.fail(format!(
-                "the file ends where {expected} should follow; it is truncated: write or copy it again"
-            ))),
-        }
-    }
-
-    /// Reads a declared count, which is rejected above `most`.
-    fn count(&mut self, what: &str, most: usize) -> Result<usize> {
-        let word = self.next(what)?;
-        match word.parse::<u64>() {
-            Err(_) => Err(self.fail(format!("{what} {} is not a whole number >= 0", text::quote(word)))),
-            Ok(n) if n > most as u64 => {
-                Err(self.fail(format!("{what} {n} is above the {most} allowed; use a coarser mesh")))
-            }
-            Ok(n) => Ok(n as usize),
-        }
-    }
-}
 
 /// Parses a legacy VTK file; `path` is for messages.
 ///
@@ -91,7 +42,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
 }
 
 /// Reads the sections after the header.
-fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec<String>)> {
+fn sections<'a>(path: &Path, mut file: impl VtkContent<'a>) -> Result<(TetMesh, Vec<String>)> {
     let (mut mesh, mut cells, mut types) = (TetMesh::default(), Vec::new(), Vec::new());
     while let Some(word) = file.word()? {
         match word {
@@ -125,7 +76,7 @@ fn sections<'a>(path: &Path, mut file: impl Content<'a>) -> Result<(TetMesh, Vec
 }
 
 /// Reads the points of each cell, in the old form (`n a b c ...`) or in that of version 5.
-fn read_cells<'a>(file: &mut impl Content<'a>) -> Result<Vec<Vec<Index>>> {
+fn read_cells<'a>(file: &mut impl VtkContent<'a>) -> Result<Vec<Vec<Index>>> {
     let n = file.count("the number of cells", MAX_COUNT)?;
     let size = file.count("the size of the cells", 64 * MAX_COUNT)?;
     let mut cells = Vec::new();

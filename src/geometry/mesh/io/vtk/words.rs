@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Content, Index};
+use super::content::{Index, VtkContent};
 use crate::mesh::io::text::{self, Line, Word};
 use base::error::{Error, Result};
 
@@ -28,7 +28,7 @@ impl<'a> Words<'a> {
     }
 }
 
-impl<'a> Content<'a> for Words<'a> {
+impl<'a> VtkContent<'a> for Words<'a> {
     fn fail(&self, message: String) -> Error {
         match self.last {
             Some(word) => text::at(self.path, word, message),
