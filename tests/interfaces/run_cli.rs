@@ -73,7 +73,7 @@ fn options_replace_what_the_scene_says() {
 }
 
 #[test]
-fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
+fn json_has_the_documented_keys_and_earlier_runs_are_overwritten_if_asked_and_then_completely() {
     let dir = tempfile::tempdir().unwrap();
     let scene = write(dir.path(), 2, "expect: [ReachesForce]");
     let (scene, out) = (scene.to_str().unwrap(), dir.path().join("out"));
@@ -83,12 +83,11 @@ fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
     let json: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(json["backend"].as_str().unwrap().starts_with("fem"));
     let grasp = &json["grasps"][0];
-    for key in
-        "status reason force_n travel_m frames min_det_f min_gap_m force_balance newton_iterations wall_s".split(' ')
-    {
-        assert!(grasp.get(key).is_some(), "{key}");
+    for key in "force_n travel_m frames min_det_f min_gap_m force_balance newton_iterations wall_s".split(' ') {
+        assert!(grasp[key].is_number(), "{key}");
     }
     assert_eq!((grasp["status"].as_str(), grasp["frames"].as_u64()), (Some("reached"), Some(2)));
+    assert!(grasp.get("reason").is_some_and(Value::is_null) && json["finished"] == true, "{json}");
     assert_eq!(json["expectations"][0]["name"], "ReachesForce");
     assert_eq!(json["expectations"][0]["held"], true);
     let written: Value = serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).unwrap();
@@ -99,9 +98,13 @@ fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
     let again = tactus(&arguments);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("earlier run"));
+    // Overwritten completely, except for what is not of a run.
+    std::fs::write(out.join("grasp_000/stale"), "").unwrap();
+    std::fs::write(out.join("grasp_notes"), "mine").unwrap();
     let mut arguments = arguments.to_vec();
     arguments.push("--overwrite");
     assert_eq!(tactus(&arguments).status.code(), Some(0));
+    assert!(!out.join("grasp_000/stale").exists() && out.join("grasp_notes").exists());
 }
 
 #[test]

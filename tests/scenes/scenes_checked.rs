@@ -110,12 +110,21 @@ fn every_shipped_scene_runs_one_frame() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
+/// Number of the drawn objects of a scene that are planned.
+const DRAWN: usize = 50;
+
 #[test]
 fn every_shipped_scene_is_planned_as_a_data_set() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("set");
     let found = complaints(all(), |scene| {
-        let planned = tactus(&["dataset", scene, "-o", out.to_str().unwrap(), "--dry-run"]);
+        let mut arguments = vec!["dataset", scene, "-o", out.to_str().unwrap(), "--dry-run"];
+        // Drawn objects that cannot be planned are left out, however many there are.
+        let set = load_set(scene).unwrap();
+        if set.drawn {
+            arguments.extend(set.scenes.iter().take(DRAWN).flat_map(|named| ["--object", named.name.as_str()]));
+        }
+        let planned = tactus(&arguments);
         // A data set records the contact of the pads, so it needs fingers.
         if errors(&planned).contains("needs pads, and the scene has none") {
             let bare = String::from_utf8_lossy(&tactus(&["check", scene]).stdout).contains("fingers: r#None");
