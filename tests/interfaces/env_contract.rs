@@ -27,11 +27,11 @@ impl Backend {
 /// Defines each test for each backend.
 macro_rules! for_each {
     ($($name:ident)*) => {
-        for_each!(in fem_backend, fem(): $($name)*);
-        for_each!(in condensed_backend, condensed(): $($name)*);
-        for_each!(in gnn_backend, gnn(fem(), &crate::gnn_made::made().model): $($name)*);
+        for_each!(in fem_backend, fem(); $($name)*);
+        for_each!(in condensed_backend, condensed(); $($name)*);
+        for_each!(in gnn_backend, gnn(fem(), &crate::gnn_made::made().model); $($name)*);
     };
-    (in $backend:ident, $set:expr: $($name:ident)*) => {
+    (in $backend:ident, $set:expr; $($name:ident)*) => {
         mod $backend {
             use super::*;
 

@@ -92,7 +92,8 @@ fn every_shipped_scene_is_checked() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Scenes of `torture` and `dynamic` run completely in `torture.rs` and `shipped.rs`.
+/// Commands on every scene, with a limit on time for the frame: `shipped.rs` and `torture.rs` run all frames of these
+/// scenes, of `dynamic` and of `torture`, and judge their results.
 #[test]
 fn every_shipped_scene_runs_one_frame() {
     let found =
@@ -101,7 +102,8 @@ fn every_shipped_scene_runs_one_frame() {
             let set = load_set(scene).unwrap();
             let object = set.scenes[0].name.as_str();
             let first = if set.scenes.len() > 3 { &["--object", object][..] } else { &[] };
-            let out = tactus(&[&["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures"], first].concat());
+            let run = ["run", scene, "--frames", "1", "--grasp", "0", "--no-pictures", "--max-time", "3"];
+            let out = tactus(&[&run[..], first].concat());
             if errors(&out).contains("--frames does not go with a press at given `depths`") {
                 return other(&out, &[2]);
             }
