@@ -802,34 +802,6 @@ fn every_command_tells_of_grasps_that_miss() {
     }
 }
 
-#[test]
-fn check_and_run_say_the_same_of_what_cannot_start() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("s.ron");
-    // A plate 0.4 mm thick at the rim of domed pads, which meet at their centres before they touch it; a block wider
-    // than the opening.
-    for (object, pads, says) in [
-        (
-            "shape: Cuboid(size: (0.0004, 0.03, 0.004))",
-            "GelSightMini(shape: Domed, spacing: 3.0e-3)",
-            "meet beside the object",
-        ),
-        ("shape: Cuboid(size: (0.1, 0.03, 0.03))", "GelSightMini(spacing: 3.0e-3)", "overlaps the object by"),
-    ] {
-        let text = format!(
-            "(object: ({object}), gripper: (pads: {pads}, stroke: 0.045), grasps: List([(position: (0, 0, -0.111))]),\n\
-             loading: Squeeze(force: 1, frames: 1))"
-        );
-        std::fs::write(&path, text).unwrap();
-        let check = both(&tactus(&["check", path.to_str().unwrap()]));
-        let run = both(&tactus(&["run", path.to_str().unwrap(), "--no-pictures"]));
-        let reason = check.lines().find_map(|l| l.split_once("problem: grasp 0: ")).expect(&check).1;
-        assert!(reason.contains(says), "{reason}");
-        assert!(check.contains("0 of 1 grasps can start"), "{check}");
-        assert!(run.contains(reason) && run.contains("infeasible"), "{run}");
-    }
-}
-
 /// Runs a Python script with h5py in `dir`. Without Python or h5py it reports a skipped test and returns false.
 fn h5py(dir: &Path, script: &str) -> bool {
     let out = Command::new("python3").arg("-c").arg(script).current_dir(dir).output();
