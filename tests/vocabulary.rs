@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::Path;
 use std::process::Command;
+use std::sync::LazyLock;
 use tactus::dataset::arrays::ARRAYS;
 use tactus::record::names;
 
@@ -73,11 +74,16 @@ const SQUEEZE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: G
     loading: Squeeze(force: 2.0, frames: 2),
     record: (fields: [Displacement, Stress, ContactForce, Gap, ObjectPose], pictures: false))";
 
-#[test]
-fn a_run_writes_the_listed_names_and_no_others() {
-    let listed = documented();
+/// Folder with a run of [`SQUEEZE`], shared by tests.
+static SQUEEZED: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let dir = tempfile::tempdir().unwrap();
     run(SQUEEZE, dir.path());
+    dir
+});
+
+#[test]
+fn a_run_writes_the_listed_names_and_no_others() {
+    let (listed, dir) = (documented(), &*SQUEEZED);
     let grasp = dir.path().join("run/grasp_000");
     let wanted = |moving: bool| -> BTreeSet<String> {
         let here = listed.iter().filter(|(_, r)| !r.places[0].is_empty() && (moving || !r.places[0].ends_with('*')));
@@ -127,9 +133,7 @@ fn dynamic_scenes_add_what_is_marked() {
 
 #[test]
 fn rest_and_displacement_meet_in_the_hand() {
-    let dir = tempfile::tempdir().unwrap();
-    run(SQUEEZE, dir.path());
-    let mut npz = NpzReader::new(File::open(dir.path().join("run/grasp_000/arrays.npz")).unwrap()).unwrap();
+    let mut npz = NpzReader::new(File::open(SQUEEZED.path().join("run/grasp_000/arrays.npz")).unwrap()).unwrap();
     let rest: Array2<f64> = npz.by_name("rest_m").unwrap();
     let pose: Array2<f64> = npz.by_name("pad_pose").unwrap();
     let (position, displacement): (ndarray::Array3<f64>, ndarray::Array3<f64>) =

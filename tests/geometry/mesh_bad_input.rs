@@ -150,42 +150,29 @@ fn missing_files_folders_and_unknown_types() {
     assert!(io::write_tet(dir.path().join("no/such/a.tet"), &Default::default()).is_err());
 }
 
-/// Truncating or corrupting a valid file at any byte gives a mesh or an error, never a panic.
+/// A reader that opened such a file would wait or read without end. The same files in the fields of a scene are tested
+/// in `scenes_checked.rs`.
+#[cfg(unix)]
 #[test]
-fn garbled_files_never_panic() {
+fn meshes_that_are_no_regular_files_are_refused_before_they_are_opened() {
+    use std::{path::Path, process::Command, sync::mpsc, time::Duration};
     let dir = tempfile::tempdir().expect("temporary folder");
-    let stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
-    let medit = "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n\
-                 1 2 3 4 0\nEnd";
-    let gmsh = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 0 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n\
-                $EndNodes\n$Elements\n1 1 1 1\n3 0 4 1\n1 1 2 3 4\n$EndElements\n";
-    let good = [
-        ("x.tet", tet("t 0 1 2 3\n")),
-        ("x.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2//2 -1/1/1\n".to_string()),
-        ("x.stl", stl.to_string()),
-        ("x.mesh", medit.to_string()),
-        ("x.msh", gmsh.to_string()),
-    ];
-    for (name, content) in good {
-        let path = dir.path().join(name);
-        let read = |bytes: &[u8]| {
-            fs::write(&path, bytes).expect("write test file");
-            if name.ends_with("obj") || name.ends_with("stl") {
-                io::read_tri_mesh(&path).is_ok()
-            } else {
-                io::read_tet_mesh(&path).is_ok()
-            }
-        };
-        assert!(read(content.as_bytes()), "{name} itself must be read");
-        for at in 0..content.len() {
-            if at % 4 == 0 {
-                read(&content.as_bytes()[..at]);
-            }
-            for byte in [b' ', b'9', 0xff] {
-                let mut bytes = content.clone().into_bytes();
-                bytes[at] = byte;
-                read(&bytes);
-            }
+    let fifo = dir.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&fifo).status().expect("mkfifo").success());
+    let (done, wait) = mpsc::channel();
+    let link = dir.path().join("pad.tet");
+    std::thread::spawn(move || {
+        for (file, says) in
+            [(Path::new("/dev/zero"), "is a device"), (&fifo, "is a fifo"), (Path::new("/"), "is a directory")]
+        {
+            let _ = fs::remove_file(&link);
+            std::os::unix::fs::symlink(file, &link).expect("link");
+            let error = io::read_tet_mesh(&link).expect_err("must be refused").to_string();
+            done.send((says, error)).expect("the test waits");
         }
+    });
+    for file in ["a device", "a fifo", "a directory"] {
+        let (says, error) = wait.recv_timeout(Duration::from_secs(20)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert!(error.contains(says) && error.contains("not a regular file"), "{error}");
     }
 }

@@ -3,6 +3,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 fn tactus(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tactus"));
@@ -27,12 +28,19 @@ fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-#[test]
-fn a_bench_reports_time_and_error_of_every_setting() {
+/// A folder with the scene of a press and, in `out`, its bench, and the report that was printed, shared by tests.
+pub static BENCH: LazyLock<(tempfile::TempDir, Value)> = LazyLock::new(|| {
     let dir = tempfile::tempdir().unwrap();
     let (scene, out) = (press(dir.path(), "Press(depths: [0.5e-3, 0.8e-3])"), dir.path().join("out"));
     let arguments = ["bench", scene.to_str().unwrap(), "--repeat", "1", "--threads", "1", "--format", "json"];
     let report = json(&tactus(&[&arguments[..], &["-o", out.to_str().unwrap()]].concat()));
+    (dir, report)
+});
+
+#[test]
+fn a_bench_reports_time_and_error_of_every_setting() {
+    let (dir, report) = &*BENCH;
+    let out = dir.path().join("out");
     let points = report["points"].as_array().unwrap();
     assert!(points.len() >= 6, "{}", points.len());
     let error = |p: &Value, name: &str| p[name].as_f64().unwrap_or_else(|| panic!("{name} of {p}"));
@@ -73,7 +81,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     let estimate = &ladder["errors"]["displacement"];
     let mean = (error(estimate, "by_rungs") * error(estimate, "by_other")).sqrt();
     assert!((error(estimate, "error") / mean - 1.0).abs() < 1e-12, "{estimate}");
-    let reference = error(&report, "reference_error");
+    let reference = error(report, "reference_error");
     assert_eq!(reference, error(estimate, "error"));
     let own = points.iter().find(|p| p["label"] == "quadratic 4x4x2").map(|p| error(p, "displacement_error"));
     assert!(own.is_some_and(|own| reference > 0.0 && reference <= (1.0 + 1e-12) * own), "{reference} against {own:?}");
@@ -84,7 +92,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
     assert_eq!(report["speedup_at_equal_error"].as_f64(), best, "the headline is the best of the claims");
 
     let written: Value = serde_json::from_slice(&std::fs::read(out.join("bench.json")).unwrap()).unwrap();
-    assert_eq!(written, report, "bench.json is what is printed");
+    assert_eq!(written, *report, "bench.json is what is printed");
     let csv = std::fs::read_to_string(out.join("bench.csv")).unwrap();
     assert_eq!(csv.lines().count(), points.len() + 2, "a heading, the points, the reference");
     assert!(std::fs::read(out.join("bench.png")).unwrap().starts_with(b"\x89PNG"));

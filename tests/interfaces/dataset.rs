@@ -1,6 +1,6 @@
 //! Data sets: a reader gets what was simulated, damage is reported, and other HDF5 readers can read them.
 
-use crate::dataset_tiny::Tiny;
+use crate::dataset_tiny::{Tiny, linear, quadratic};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::process::{Command, Output};
@@ -30,12 +30,11 @@ impl Observer for Frames {
 
 #[test]
 fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
-    let tiny = Tiny::new("Quadratic");
-    let set = tiny.set("out");
+    let set = quadratic().set();
     assert!(set.damaged.is_empty());
     for object in &set.objects {
         // Rebuilds the model from the text in the file alone.
-        let path = tiny.out("again.ron");
+        let path = quadratic().tiny.out("again.ron");
         std::fs::write(&path, &object.scene).unwrap();
         let scene = load(&path).unwrap().scene;
         let model = Model::build(&scene).unwrap();
@@ -121,9 +120,7 @@ fn loader_world(object: &ObjectFile) {
 
 #[test]
 fn promises_of_the_scene_are_judged_on_every_grasp_and_the_worst_is_kept() {
-    let tiny = Tiny::new("Linear");
-    let out = tiny.out("out");
-    tiny.make(&out);
+    let out = linear().folder();
     let manifest = Manifest::read(&out).unwrap().unwrap();
     for (object, grasps) in manifest.objects.iter().zip([vec![0, 1, 2], vec![0, 2]]) {
         let [inversion, travel] = object.promises.as_slice() else { panic!("{:?}", object.promises) };
@@ -141,8 +138,8 @@ fn promises_of_the_scene_are_judged_on_every_grasp_and_the_worst_is_kept() {
 
 #[test]
 fn damage_is_named_and_the_rest_stays_usable() {
-    let tiny = Tiny::new("Linear");
-    let set = tiny.set("out");
+    let folder = linear().copy("damaged");
+    let set = DataSet::open(&folder).unwrap();
     let [ball, brick] = [&set.objects[0].path, &set.objects[1].path];
     let mut bytes = std::fs::read(ball).unwrap();
     // Flips a bit within the displacements, which are located by their bytes.
@@ -154,14 +151,14 @@ fn damage_is_named_and_the_rest_stays_usable() {
     let cut = std::fs::read(brick).unwrap();
     std::fs::write(brick, &cut[..cut.len() - 1]).unwrap();
 
-    let set = DataSet::open(tiny.out("out")).unwrap();
+    let set = DataSet::open(&folder).unwrap();
     assert_eq!(set.objects.len(), 1);
     let refused = set.damaged[0].to_string();
     assert!(refused.contains("box_") && refused.contains("truncated"), "{refused}");
     let error = set.objects[0].grasp(1).unwrap_err().to_string();
     assert!(error.contains("ball_") && error.contains("grasp 1 is damaged"), "{error}");
     assert!(set.objects[0].grasp(0).is_ok() && set.objects[0].grasp(2).is_ok(), "the other grasps are read");
-    let out = inspect(&[tiny.out("out").to_str().unwrap(), "--format", "json"]);
+    let out = inspect(&[folder.to_str().unwrap(), "--format", "json"]);
     assert_eq!(out.status.code(), Some(1));
     let json: Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!(json["inspection"]["damaged"].as_array().unwrap().len(), 2);
@@ -178,9 +175,7 @@ fn damage_is_named_and_the_rest_stays_usable() {
 
 #[test]
 fn inspection_counts_and_draws() {
-    let tiny = Tiny::new("Linear");
-    tiny.make(&tiny.out("out"));
-    let (out, pictures) = (tiny.out("out"), tiny.out("pictures"));
+    let (out, pictures) = (linear().folder(), linear().tiny.out("pictures"));
     let all =
         inspect(&[out.to_str().unwrap(), "--pictures", pictures.to_str().unwrap(), "--every", "2", "--frames", "1"]);
     assert_eq!(all.status.code(), Some(0), "{}", String::from_utf8_lossy(&all.stderr));
@@ -190,16 +185,14 @@ fn inspection_counts_and_draws() {
         "{text}"
     );
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 4, "grasps 0 and 2 of each object");
-    let none = inspect(&[tiny.dir.path().to_str().unwrap()]);
+    let none = inspect(&[linear().tiny.dir.path().to_str().unwrap()]);
     assert_eq!(none.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&none.stderr).contains("contains no data set"));
 }
 
 #[test]
 fn another_hdf5_reader_finds_what_is_documented() {
-    let tiny = Tiny::new("Quadratic");
-    let set = tiny.set("out");
-    for object in &set.objects {
+    for object in &quadratic().set().objects {
         let arrays = ARRAYS.iter().map(|a| {
             let shape: Vec<_> = std::iter::once(object.sizes.grasps).chain(a.row_shape(&object.sizes)).collect();
             let kind = match a.kind {

@@ -1,11 +1,11 @@
 //! An interrupted data set resumes without loss or repetition, and ends with the same bytes. `TACTUS_ALL_KILLS=1` kills
 //! thirty times.
 
-use crate::dataset_tiny::{TINY, Tiny};
+use crate::dataset_tiny::linear;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 use tactus::base::random::Random;
 
 /// Paths of all files below `dir`, with their bytes.
@@ -37,11 +37,9 @@ fn records(out: &Path) -> BTreeMap<PathBuf, SystemTime> {
 
 #[test]
 fn killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes() {
-    let tiny = Tiny::new("Linear");
-    let clock = Instant::now();
-    tiny.make(&tiny.out("whole"));
-    let whole_run = clock.elapsed();
-    let expected = content(&tiny.out("whole"));
+    let whole = linear();
+    let (tiny, whole_run) = (&whole.tiny, whole.took);
+    let expected = content(&whole.folder());
     let kills = if std::env::var_os("TACTUS_ALL_KILLS").is_some() { 30 } else { 6 };
     let (mut random, mut killed, mut runs, mut kept) = (Random::new(1), 0, 0, 0);
     while killed < kills {
@@ -84,18 +82,19 @@ fn killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes() {
 
 #[test]
 fn threads_do_not_change_bytes_and_the_size_is_announced() {
-    let tiny = Tiny::new("Linear");
-    let announced = tiny.make(&tiny.out("two"))["announced_bytes"].as_u64().unwrap();
+    let whole = linear();
+    let tiny = &whole.tiny;
+    let announced = whole.report["announced_bytes"].as_u64().unwrap();
     let one = tiny.command(&tiny.out("one")).args(["--threads", "1"]).output().unwrap();
     assert_eq!(one.status.code(), Some(1));
-    let (one, two) = (content(&tiny.out("one")), content(&tiny.out("two")));
+    let (one, two) = (content(&tiny.out("one")), content(&whole.folder()));
     assert!(one == two, "1 and 2 threads give the same files");
     let bytes: usize = two.values().map(Vec::len).sum();
     assert!(bytes as u64 <= announced, "{bytes} bytes on disk, {announced} announced");
-    let again = tiny.make(&tiny.out("two"));
+    let copy = whole.copy("two");
+    let again = tiny.make(&copy);
     assert_eq!((again["computed"].as_u64(), again["resumed"].as_u64()), (Some(0), Some(6)), "nothing runs again");
-    std::fs::write(&tiny.scene, TINY.replace("ELEMENT", "Linear").replace("force: 2.0", "force: 2.5")).unwrap();
-    let other = tiny.command(&tiny.out("two")).output().unwrap();
+    let other = tiny.stronger(&copy);
     assert_eq!(other.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&other.stderr).contains("contains another data set"));
 }
@@ -103,8 +102,7 @@ fn threads_do_not_change_bytes_and_the_size_is_announced() {
 /// Parts run concurrently, one of them is killed and restarted, and a last run finishes the data set.
 #[test]
 fn parts_end_with_the_same_bytes_and_no_grasp_is_made_twice() {
-    let tiny = Tiny::new("Linear");
-    tiny.make(&tiny.out("whole"));
+    let tiny = &linear().tiny;
     let out = tiny.out("parts");
     let part = |text: &str| {
         let mut command = tiny.command(&out);
@@ -126,7 +124,7 @@ fn parts_end_with_the_same_bytes_and_no_grasp_is_made_twice() {
     assert_eq!(computed(part("1/3").spawn().unwrap()), 0, "nothing is left of the part");
     assert_eq!(tiny.make(&out)["computed"], 0, "all parts are there");
     assert_eq!(computed(part("2/3").spawn().unwrap()), 0, "a closed data set stays closed");
-    assert!(content(&out) == content(&tiny.out("whole")), "the bytes of a run at once");
+    assert!(content(&out) == content(&linear().folder()), "the bytes of a run at once");
     let refused = part("4/3").stderr(Stdio::piped()).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("allowed: I/N with I from 1 to N"));

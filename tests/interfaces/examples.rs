@@ -1,6 +1,6 @@
 //! The examples and the commands of the tutorial run.
 
-use crate::dataset_tiny::Tiny;
+use crate::dataset_tiny::linear;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -39,9 +39,7 @@ fn environments_step_and_are_restored() {
 
 #[test]
 fn a_data_set_is_read() {
-    let tiny = Tiny::new("Linear");
-    let dir = tiny.out("read");
-    tiny.make(&dir);
+    let dir = linear().folder();
     let text = example("data_set", &[dir.to_str().unwrap()]);
     assert!(text.contains("ball: 3 grasps reached their force") && text.contains("largest displacement"), "{text}");
 }

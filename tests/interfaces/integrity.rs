@@ -8,7 +8,7 @@
 //! damages files of data sets, models, checkpoints and cached responses five thousand times; without the variable, 120
 //! times.
 
-use crate::dataset_tiny::{TINY, Tiny};
+use crate::dataset_tiny::{copy, linear};
 use crate::gnn_made::{SPEC, ball, command, made, ron, set};
 use hdf5_pure::{AttrValue, FileBuilder};
 use serde_json::Value;
@@ -42,18 +42,6 @@ fn tactus(folder: &Path, cache: &Path, arguments: &[&str]) -> Output {
 
 fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap().map(|e| e.unwrap()) {
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &target);
-        } else {
-            std::fs::copy(entry.path(), target).unwrap();
-        }
-    }
 }
 
 fn files(dir: &Path) -> Vec<PathBuf> {
@@ -341,12 +329,11 @@ fn a_label_changed_inside_a_file_of_a_data_set_is_seen_by_every_reader() {
 
 #[test]
 fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
-    let tiny = Tiny::new("Linear");
-    tiny.make(&tiny.out("whole"));
+    let tiny = &linear().tiny;
     let content = |dir: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
         files(dir).into_iter().map(|p| (p.strip_prefix(dir).unwrap().into(), std::fs::read(&p).unwrap())).collect()
     };
-    let whole = content(&tiny.out("whole"));
+    let whole = content(&linear().folder());
     let part = tiny.out("part");
     let done = tiny.command(&part).args(["--part", "1/2"]).output().unwrap();
     assert_eq!(done.status.code(), Some(0), "{}", errors(&done));
@@ -406,14 +393,14 @@ fn an_unfinished_data_set_goes_on_from_its_plan_whatever_its_files_say() {
         assert!(content(&out) == whole, "{what}: other bytes than without");
     }
     // A finished data set is not computed again, but its manifest is checked against the objects.
-    let finished = tiny.out("whole/manifest.json");
-    let text = std::fs::read_to_string(&finished).unwrap();
-    std::fs::write(&finished, text.replacen("\"reached\": 3", "\"reached\": 2", 1)).unwrap();
-    let refused = tiny.command(&tiny.out("whole")).output().unwrap();
+    let finished = linear().copy("finished");
+    let manifest = finished.join("manifest.json");
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    std::fs::write(&manifest, text.replacen("\"reached\": 3", "\"reached\": 2", 1)).unwrap();
+    let refused = tiny.command(&finished).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(errors(&refused).contains("changed or damaged"), "{}", errors(&refused));
-    std::fs::write(&tiny.scene, TINY.replace("ELEMENT", "Linear").replace("force: 2.0", "force: 2.5")).unwrap();
-    let refused = tiny.command(&part).output().unwrap();
+    let refused = tiny.stronger(&part);
     assert!(errors(&refused).contains("contains another data set"), "{}", errors(&refused));
 }
 

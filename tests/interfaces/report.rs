@@ -1,6 +1,8 @@
 //! `tactus report`: the page shows the data, loads nothing from a network, and works in a browser.
 
-use crate::gnn_made::{Made, made, set};
+use crate::bench_cli::BENCH;
+use crate::dataset_tiny::copy;
+use crate::gnn_made::{made, set};
 use crate::skipped::skipped;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -8,6 +10,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 use tactus::report::ReportOptions;
 use tactus::report::view::Viewer;
 
@@ -25,11 +28,15 @@ pub fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Page with both test grasps and the predictions of the network.
-fn judged(made: &Made, page: &Path) -> String {
-    let (data, model) = (made.tiny.out("data"), &made.model);
-    good(&["report", text(&data), "--model", text(model), "--grasps", "2", "--frames", "2", "-o", text(page)]);
-    std::fs::read_to_string(page).unwrap()
+/// Page with both test grasps and the predictions of the network, shared by tests.
+static JUDGED: LazyLock<PathBuf> = LazyLock::new(|| {
+    let (data, model, page) = (made().tiny.out("data"), &made().model, made().tiny.out("judged.html"));
+    good(&["report", text(&data), "--model", text(model), "--grasps", "2", "--frames", "2", "-o", text(&page)]);
+    page
+});
+
+fn judged() -> String {
+    std::fs::read_to_string(&*JUDGED).unwrap()
 }
 
 /// The JSON data of a page.
@@ -66,8 +73,7 @@ pub fn numbers(packed: &Value) -> (Vec<f64>, f64) {
 
 #[test]
 fn the_page_asks_for_nothing_from_elsewhere() {
-    let made = made();
-    let html = judged(made, &made.tiny.out("alone.html"));
+    let html = judged();
     // The SVG name space is only a name: nothing is loaded from its address.
     let rest = html.replace("http://www.w3.org/2000/svg", "");
     assert!(!rest.contains("http:") && !rest.contains("https:") && !rest.contains("//cdn"), "an address of a network");
@@ -85,9 +91,8 @@ fn the_page_asks_for_nothing_from_elsewhere() {
 
 #[test]
 fn the_page_holds_the_truth_to_the_last_step_of_its_scale() {
-    let made = made();
-    let data = data_of(&judged(made, &made.tiny.out("truth.html")));
-    let set = set(made);
+    let data = data_of(&judged());
+    let set = set(made());
     let grasps = data["grasps"].as_array().unwrap();
     assert!(!grasps.is_empty());
     for shown in grasps {
@@ -177,7 +182,8 @@ fn a_page_of_a_run_and_a_bench_has_their_tables_the_chart_and_the_truth() {
     std::fs::write(at("press.ron"), scene).unwrap();
     let (press, run, bench, page) = (at("press.ron"), at("run"), at("bench"), at("page.html"));
     good(&["run", text(&press), "-o", text(&run), "--no-pictures"]);
-    good(&["bench", text(&press), "-o", text(&bench), "--repeat", "1"]);
+    // The bench of a press into the same pad.
+    copy(&BENCH.0.path().join("out"), &bench);
     let markdown = good(&["report", text(&bench), text(&run), "-o", text(&page)]);
     let html = std::fs::read_to_string(&page).unwrap();
     let picture = |html: &str| {
@@ -308,10 +314,7 @@ pub fn checked(page: &Path) -> Option<(Value, String)> {
 
 #[test]
 fn in_a_browser_the_pads_are_drawn_and_every_control_changes_the_picture() {
-    let made = made();
-    let page = made.tiny.out("browser.html");
-    judged(made, &page);
-    let Some((found, dom)) = checked(&page) else { return };
+    let Some((found, dom)) = checked(&JUDGED) else { return };
     assert!(found["drawn"].as_f64().unwrap() > 0.05, "part of the picture that is not empty");
     assert_eq!(found["glError"], 0);
     assert_eq!(found["colors"], serde_json::json!([true]), "every grasp is drawn");

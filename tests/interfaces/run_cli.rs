@@ -15,6 +15,10 @@ fn tactus(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()
 }
 
+fn both(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
 fn write(dir: &Path, frames: usize, more: &str) -> PathBuf {
     let path = dir.join("scene.ron");
     let text = format!(
@@ -73,7 +77,7 @@ fn options_replace_what_the_scene_says() {
 }
 
 #[test]
-fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
+fn json_has_the_documented_keys_and_earlier_runs_are_overwritten_if_asked_and_then_completely() {
     let dir = tempfile::tempdir().unwrap();
     let scene = write(dir.path(), 2, "expect: [ReachesForce]");
     let (scene, out) = (scene.to_str().unwrap(), dir.path().join("out"));
@@ -83,12 +87,11 @@ fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
     let json: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(json["backend"].as_str().unwrap().starts_with("fem"));
     let grasp = &json["grasps"][0];
-    for key in
-        "status reason force_n travel_m frames min_det_f min_gap_m force_balance newton_iterations wall_s".split(' ')
-    {
-        assert!(grasp.get(key).is_some(), "{key}");
+    for key in "force_n travel_m frames min_det_f min_gap_m force_balance newton_iterations wall_s".split(' ') {
+        assert!(grasp[key].is_number(), "{key}");
     }
     assert_eq!((grasp["status"].as_str(), grasp["frames"].as_u64()), (Some("reached"), Some(2)));
+    assert!(grasp.get("reason").is_some_and(Value::is_null) && json["finished"] == true, "{json}");
     assert_eq!(json["expectations"][0]["name"], "ReachesForce");
     assert_eq!(json["expectations"][0]["held"], true);
     let written: Value = serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).unwrap();
@@ -99,9 +102,13 @@ fn json_has_the_documented_keys_and_files_are_not_overwritten_by_accident() {
     let again = tactus(&arguments);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("earlier run"));
+    // Overwritten completely, except for what is not of a run.
+    std::fs::write(out.join("grasp_000/stale"), "").unwrap();
+    std::fs::write(out.join("grasp_notes"), "mine").unwrap();
     let mut arguments = arguments.to_vec();
     arguments.push("--overwrite");
     assert_eq!(tactus(&arguments).status.code(), Some(0));
+    assert!(!out.join("grasp_000/stale").exists() && out.join("grasp_notes").exists());
 }
 
 #[test]
@@ -136,8 +143,16 @@ fn check_says_what_will_run() {
     let out = tactus(&["check", "scenes/quickstart.ron"]);
     assert_eq!(out.status.code(), Some(0));
     let text = String::from_utf8(out.stdout).unwrap();
-    for part in ["worst", "in tetrahedron", "unknowns:", "watertight", "1 of 1 grasps", "of processor time for 1 grasp"]
-    {
+    let complete = "mean_dilatation: true";
+    for part in [
+        complete,
+        "worst",
+        "in tetrahedron",
+        "unknowns:",
+        "watertight",
+        "1 of 1 grasps",
+        "of processor time for 1 grasp",
+    ] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let verbose = String::from_utf8(tactus(&["check", "scenes/quickstart.ron", "-v"]).stdout).unwrap();
@@ -156,11 +171,38 @@ fn check_says_what_will_run() {
     }
     assert_eq!(json["unknowns"]["pose"], 6);
     assert!(json["components"]["Position"].as_u64().unwrap() > 100);
+    let out = tactus(&["check", "scenes/lemon.ron", "--format", "json"]);
+    let json: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(json["scene"]["loading"]["Squeeze"]["force"], 15.0);
+    assert_eq!(json["sources"].as_array().unwrap().len(), 2, "the scene and what it includes");
 }
 
 #[test]
-fn check_names_grasps_that_cannot_start() {
+fn check_names_the_grasps_that_cannot_start_and_run_says_the_same() {
     let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s.ron");
+    // A plate 0.4 mm thick at the rim of domed pads, which meet at their centres before they touch it; a block wider
+    // than the opening.
+    for (object, pads, says) in [
+        (
+            "shape: Cuboid(size: (0.0004, 0.03, 0.004))",
+            "GelSightMini(shape: Domed, spacing: 3.0e-3)",
+            "touch each other next to the object",
+        ),
+        ("shape: Cuboid(size: (0.1, 0.03, 0.03))", "GelSightMini(spacing: 3.0e-3)", "overlaps the object by"),
+    ] {
+        let text = format!(
+            "(object: ({object}), gripper: (pads: {pads}, stroke: 0.045), grasps: List([(position: (0, 0, -0.111))]),\n\
+             loading: Squeeze(force: 1, frames: 1))"
+        );
+        std::fs::write(&path, text).unwrap();
+        let check = both(&tactus(&["check", path.to_str().unwrap()]));
+        let run = both(&tactus(&["run", path.to_str().unwrap(), "--no-pictures"]));
+        let reason = check.lines().find_map(|l| l.split_once("problem: grasp 0: ")).expect(&check).1;
+        assert!(reason.contains(says), "{reason}");
+        assert!(check.contains("0 of 1 grasps can start"), "{check}");
+        assert!(run.contains(reason) && run.contains("infeasible"), "{run}");
+    }
     let check = |grasps: &str| {
         let scene = write(dir.path(), 2, &format!("grasps: List([{grasps}])"));
         let out = tactus(&["check", scene.to_str().unwrap(), "--format", "json"]);

@@ -1,7 +1,10 @@
 //! Tactile images of the sensing faces, compared with the nodal forces and positions of which they are made.
 
-use crate::env_made::{actions, batch, changed, condensed, config, gnn};
+use crate::env_made::{STEPS, actions, batch, changed, condensed, config, fem, gnn};
+use crate::gnn_made::made;
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::LazyLock;
 use tactus::dataset::DataSet;
 use tactus::env::StepView;
 use tactus::model::Needs;
@@ -23,49 +26,95 @@ fn area([rows, cols]: [usize; 2]) -> f64 {
     SIZE[0] * SIZE[1] / (rows * cols) as f64
 }
 
-/// Pressure and shear are contact force per area: for any size of the taxels, their integrals equal the force of the
-/// wrench (1 N) to 1e-5 N.
+/// Forces of the taxels, for every backend, and pressure and shear, which are contact force per area, for any size of
+/// the taxels: their sums and integrals equal the force of the wrench (1 N) to 1e-5 N. Taxels carry the applied force to
+/// 1e-3 of it.
 #[test]
-fn pressure_and_shear_integrate_to_the_contact_force() {
-    for [rows, cols] in GRIDS {
-        let images = format!("Pressure(rows: {rows}, cols: {cols}), Shear(rows: {rows}, cols: {cols})");
-        let mut sets = [seeing(&images), seeing(&images)];
-        sets[1].iter_mut().zip(condensed()).for_each(|(own, other)| own.scene.stepper = other.scene.stepper);
-        for set in sets {
-            let mut env = batch(&set, config(2));
-            env.reset(None, None).unwrap();
-            for step in 0..3 {
-                let view = env.step(&actions(0, 2, step)).unwrap();
-                let pressure = view.obs("pressure").unwrap().chunks_exact(rows * cols);
-                let shear = view.obs("shear").unwrap().chunks_exact(rows * cols * 2);
-                for ((pressure, shear), wrench) in pressure.zip(shear).zip(view.obs("wrench").unwrap().chunks_exact(6))
-                {
-                    let sum = |values: &[f32], first: usize, step: usize| -> f64 {
-                        let own = values.iter().skip(first).step_by(step);
-                        own.map(|v| f64::from(*v)).sum::<f64>() * area([rows, cols])
-                    };
-                    let found = [sum(shear, 0, 2), sum(shear, 1, 2), -sum(pressure, 0, 1)];
-                    assert!(found[2] < -0.5, "the object presses with {found:?} N");
-                    for (found, wrench) in found.into_iter().zip(wrench) {
-                        let off = (found - f64::from(*wrench)).abs();
-                        assert!(off < 1e-5, "{found} N of the image, {wrench} N of the wrench, {rows} x {cols}");
-                    }
+fn images_of_the_contact_force_sum_to_the_wrench() {
+    let images = |[rows, cols]: [usize; 2]| {
+        seeing(&format!("Pressure(rows: {rows}, cols: {cols}), Shear(rows: {rows}, cols: {cols})"))
+    };
+    let on_condensed = |mut set: Vec<NamedScene>| {
+        set.iter_mut().zip(condensed()).for_each(|(own, other)| own.scene.stepper = other.scene.stepper);
+        set
+    };
+    for (name, set, grid, steps) in [
+        ("whole pads", images(GRIDS[0]), Some(GRIDS[0]), STEPS),
+        ("whole pads", images(GRIDS[1]), Some(GRIDS[1]), 3),
+        ("condensed pads", on_condensed(images(GRIDS[0])), Some(GRIDS[0]), STEPS),
+        ("condensed pads", on_condensed(images(GRIDS[1])), Some(GRIDS[1]), 3),
+        ("network", gnn(fem(), &made().model), None, STEPS),
+    ] {
+        let mut env = batch(&set, config(2));
+        env.reset(None, None).unwrap();
+        for step in 0..steps {
+            let view = env.step(&actions(0, 2, step)).unwrap();
+            let sum = |values: &[f32], first: usize, step: usize| -> f64 {
+                values.iter().skip(first).step_by(step).map(|v| f64::from(*v)).sum()
+            };
+            let is_wrench = |what: &str, found: [f64; 3], wrench: &[f32]| {
+                for (axis, (found, wrench)) in found.into_iter().zip(wrench).enumerate() {
+                    let off = (found - f64::from(*wrench)).abs();
+                    assert!(
+                        off < 1e-5,
+                        "{name}, {what}: {found} N of the image, {wrench} N of the wrench along {axis}"
+                    );
                 }
+            };
+            let wrenches = || view.obs("wrench").unwrap().chunks_exact(6);
+            let forces = view.obs("force").unwrap();
+            let taxels = view.obs("taxel_force").unwrap().chunks_exact(5 * 4 * 3);
+            for (pad, (image, wrench)) in taxels.zip(wrenches()).enumerate() {
+                is_wrench(&format!("taxels of pad {pad}"), [0, 1, 2].map(|axis| sum(image, axis, 3)), wrench);
+                let applied = f64::from(forces[pad / 2]) / 2.0;
+                let carried = -sum(image, 2, 3);
+                assert!(
+                    (carried - applied).abs() < 1e-3 * applied,
+                    "{name}, pad {pad}: {carried} N against {applied} N"
+                );
+            }
+            // Later the force may be at its least, where the object presses with half a newton.
+            let Some([rows, cols]) = grid.filter(|_| step < 3) else { continue };
+            let pressure = view.obs("pressure").unwrap().chunks_exact(rows * cols);
+            let shear = view.obs("shear").unwrap().chunks_exact(rows * cols * 2);
+            for ((pressure, shear), wrench) in pressure.zip(shear).zip(wrenches()) {
+                let found = [sum(shear, 0, 2), sum(shear, 1, 2), -sum(pressure, 0, 1)].map(|v| v * area([rows, cols]));
+                assert!(found[2] < -0.5, "{name}: the object presses with {found:?} N");
+                is_wrench(&format!("{rows} x {cols}"), found, wrench);
             }
         }
     }
 }
+
+/// Observations by name.
+type Seen = HashMap<&'static str, Vec<f32>>;
+
+fn kept(view: StepView, names: &[&'static str]) -> Seen {
+    names.iter().map(|name| (*name, view.obs(name).unwrap().to_vec())).collect()
+}
+
+/// Numbers of rows and columns of the depth and height maps.
+const MAP: [usize; 2] = [40, 48];
+
+/// Observations after one step of a grasp of the ball, shared by tests.
+static STEPPED: LazyLock<Seen> = LazyLock::new(|| {
+    let ([rows, cols], [many_rows, many_cols]) = (MAP, GRIDS[1]);
+    let set = seeing(&format!(
+        "Pressure(rows: {many_rows}, cols: {many_cols}), DepthMap(rows: {rows}, cols: {cols}),
+         HeightMap(rows: {rows}, cols: {cols}), Markers(rows: 5, cols: 4, pixel: 1e-4)"
+    ));
+    let mut env = batch(&set[..1], config(1));
+    env.reset(None, None).unwrap();
+    let names = ["pressure", "depth_map", "height_map", "markers", "object_pose", "taxel_displacement"];
+    kept(env.step(&actions(0, 1, 0)).unwrap(), &names)
+});
 
 /// Traction is interpolated linearly between the nodes, so a fine image has no holes or spikes: the change from taxel
 /// to taxel is at most the largest value times the taxel size over the least height of a triangle (about 1.8 mm).
 #[test]
 fn a_fine_image_of_the_pressure_is_smooth() {
     let [rows, cols] = GRIDS[1];
-    let set = seeing(&format!("Pressure(rows: {rows}, cols: {cols})"));
-    let mut env = batch(&set[..1], config(1));
-    env.reset(None, None).unwrap();
-    let view = env.step(&actions(0, 1, 0)).unwrap();
-    for image in view.obs("pressure").unwrap().chunks_exact(rows * cols) {
+    for image in STEPPED["pressure"].chunks_exact(rows * cols) {
         let most = image.iter().copied().fold(0.0, f32::max);
         let along = (0..rows).flat_map(|r| (1..cols).map(move |c| (r * cols + c - 1, r * cols + c)));
         let across = (1..rows).flat_map(|r| (0..cols).map(move |c| ((r - 1) * cols + c, r * cols + c)));
@@ -80,12 +129,8 @@ fn a_fine_image_of_the_pressure_is_smooth() {
 /// 5 um.
 #[test]
 fn the_dent_is_the_mould_of_the_object_where_they_touch() {
-    let [rows, cols] = [40, 48];
-    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})"));
-    let mut env = batch(&set[..1], config(1));
-    env.reset(None, None).unwrap();
-    let view = env.step(&actions(0, 1, 0)).unwrap();
-    let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
+    let [rows, cols] = MAP;
+    let (depth, height) = (&STEPPED["depth_map"], &STEPPED["height_map"]);
     for (depth, height) in depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols)) {
         let deepest = (0..rows * cols).max_by(|a, b| depth[*a].total_cmp(&depth[*b])).unwrap();
         assert!(depth[deepest] > 1e-4, "{} m deep", depth[deepest]);
@@ -98,17 +143,28 @@ fn the_dent_is_the_mould_of_the_object_where_they_touch() {
     }
 }
 
+/// The gel is nearly incompressible and bonded: a pressed face has a dent of more than 0.1 mm and a bulge of more than
+/// 1 um around it, and its mean height is below a fifth of the depth of the dent.
+#[test]
+fn a_height_map_shows_the_dent_and_the_bulge_around_it() {
+    let [rows, cols] = MAP;
+    for (pad, map) in STEPPED["height_map"].chunks_exact(rows * cols).enumerate() {
+        let deepest = map.iter().copied().fold(0.0, f32::min);
+        let highest = map.iter().copied().fold(0.0, f32::max);
+        let mean = map.iter().sum::<f32>() / map.len() as f32;
+        assert!(deepest < -1e-4, "pad {pad}: the ball dents it by {deepest} m only");
+        assert!(highest > 1e-6, "pad {pad}: nothing bulges");
+        assert!(mean.abs() < 0.2 * deepest.abs(), "pad {pad}: {mean} m on average, {deepest} m at the deepest");
+    }
+}
+
 /// A rigid ball gives a spherical cap in the depth map: around the deepest point, the depth follows the surface of the
 /// ball to 1 um.
 #[test]
 fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
-    let [rows, cols] = [41, 41];
-    let set = seeing(&format!("DepthMap(rows: {rows}, cols: {cols})"));
-    let mut env = batch(&set[..1], config(1));
-    env.reset(None, None).unwrap();
-    let view = env.step(&actions(0, 1, 0)).unwrap();
-    let pose = view.obs("object_pose").unwrap();
-    for (pad, depth) in view.obs("depth_map").unwrap().chunks_exact(rows * cols).enumerate() {
+    let [rows, cols] = MAP;
+    let pose = &STEPPED["object_pose"];
+    for (pad, depth) in STEPPED["depth_map"].chunks_exact(rows * cols).enumerate() {
         let at = |k: usize| {
             [(k / cols, rows, 0), (k % cols, cols, 1)].map(|(i, n, a)| SIZE[a] * ((i as f64 + 0.5) / n as f64 - 0.5))
         };
@@ -132,13 +188,9 @@ fn a_ball_leaves_a_spherical_cap_in_the_depth_map() {
 /// pixels agree to 10 nm.
 #[test]
 fn markers_move_with_the_face() {
-    let set = seeing("Markers(rows: 5, cols: 4, pixel: 1e-4)");
-    let mut env = batch(&set[..1], config(1));
-    env.reset(None, None).unwrap();
-    let view = env.step(&actions(0, 1, 0)).unwrap();
-    let taxels = view.obs("taxel_displacement").unwrap().chunks_exact(3);
+    let taxels = STEPPED["taxel_displacement"].chunks_exact(3);
     let mut most = 0.0_f32;
-    for (k, (marker, taxel)) in view.obs("markers").unwrap().chunks_exact(8).zip(taxels).enumerate() {
+    for (k, (marker, taxel)) in STEPPED["markers"].chunks_exact(8).zip(taxels).enumerate() {
         assert_eq!(marker[3..6], *taxel);
         most = taxel.iter().fold(most, |most, u| most.max(u.abs()));
         let rest =
@@ -185,21 +237,30 @@ fn the_centre_of_pressure_is_the_lever_of_the_torque() {
     });
 }
 
+/// Numbers of rows and columns of the maps of [`SQUEEZED`].
+const FINE: [usize; 2] = [100, 80];
+
+/// Observations of finite elements after the hand has closed on the ball with 8 N, shared by tests.
+static SQUEEZED: LazyLock<Seen> = LazyLock::new(|| {
+    let [rows, cols] = FINE;
+    let maps = format!("ContactArea, DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})");
+    let set = pressing(&maps, ["0.8", "8.0", "2.6e-3"]);
+    let mut env = batch(&set[..1], config(1));
+    kept(env.reset(None, None).unwrap(), &["contact_area", "depth_map", "height_map"])
+});
+
 /// The contact area equals the area where the gap is below 10 um, to 15 %: each contact sample represents 0.4 mm2 of
 /// 13 mm2.
 #[test]
 fn the_contact_area_is_that_where_the_gel_lies_on_the_object() {
-    let [rows, cols] = [100, 80];
-    let maps = format!("ContactArea, DepthMap(rows: {rows}, cols: {cols}), HeightMap(rows: {rows}, cols: {cols})");
-    closed(&maps, ["0.8", "8.0", "2.6e-3"], |view| {
-        let (depth, height) = (view.obs("depth_map").unwrap(), view.obs("height_map").unwrap());
-        let images = depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols));
-        for ((depth, height), found) in images.zip(view.obs("contact_area").unwrap()) {
-            let touches = depth.iter().zip(height).filter(|(d, h)| **d > 0.0 && **d + **h > -1e-5).count();
-            let seen = touches as f64 * area([rows, cols]);
-            assert!(seen > 1e-5 && (f64::from(*found) / seen - 1.0).abs() < 0.15, "{found} m2, by the gaps {seen} m2");
-        }
-    });
+    let [rows, cols] = FINE;
+    let (depth, height) = (&SQUEEZED["depth_map"], &SQUEEZED["height_map"]);
+    let images = depth.chunks_exact(rows * cols).zip(height.chunks_exact(rows * cols));
+    for ((depth, height), found) in images.zip(&SQUEEZED["contact_area"]) {
+        let touches = depth.iter().zip(height).filter(|(d, h)| **d > 0.0 && **d + **h > -1e-5).count();
+        let seen = touches as f64 * area([rows, cols]);
+        assert!(seen > 1e-5 && (f64::from(*found) / seen - 1.0).abs() < 0.15, "{found} m2, by the gaps {seen} m2");
+    }
 }
 
 /// The whole contact slips without friction, none of it at a friction of 100, less than a tenth of its centre at 0.3.
@@ -229,14 +290,12 @@ fn slip_is_all_nothing_or_at_the_rim() {
 /// contact.
 #[test]
 fn a_network_says_what_touches_and_slides() {
-    let set = || pressing("ContactArea, Slip(rows: 9, cols: 9)", ["0.8", "8.0", "2.6e-3"]);
-    let look = |set: Vec<NamedScene>| {
-        let mut env = batch(&set[..1], config(1));
-        let view = env.reset(None, None).unwrap();
-        ["contact_area", "slip"].map(|name| view.obs(name).unwrap().to_vec())
-    };
-    let ([elements, _], [network, slip]) = (look(set()), look(gnn(set(), Path::new("universe"))));
-    for (elements, network) in elements.iter().zip(&network) {
+    let set = gnn(pressing("ContactArea, Slip(rows: 9, cols: 9)", ["0.8", "8.0", "2.6e-3"]), Path::new("universe"));
+    let mut env = batch(&set[..1], config(1));
+    let view = env.reset(None, None).unwrap();
+    let [network, slip] = ["contact_area", "slip"].map(|name| view.obs(name).unwrap());
+    let elements = &SQUEEZED["contact_area"];
+    for (elements, network) in elements.iter().zip(network) {
         assert!((network / elements - 1.0).abs() < 0.5, "{network} m2 of the network, {elements} m2 of elements");
     }
     assert!(slip.iter().all(|slip| (0.0..=1.0).contains(slip)) && slip[9 * 4 + 4] == 0.0, "{slip:?}");

@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 /// Time limit of every wait, more than ten times what any of them takes.
@@ -101,9 +102,12 @@ fn made() -> tempfile::TempDir {
     dir
 }
 
+/// As [`made`], shared by tests that only look at it.
+static MADE: LazyLock<tempfile::TempDir> = LazyLock::new(made);
+
 #[test]
 fn only_this_machine_and_its_own_names_are_answered() {
-    let dir = made();
+    let dir = &*MADE;
     let viewing = Viewing::start(&["view", text(&dir.path().join("run"))]);
     let own = format!("Host: {}", viewing.address);
     let status = |lines: &[&str]| viewing.ask(lines).0;
@@ -137,7 +141,7 @@ fn only_this_machine_and_its_own_names_are_answered() {
 /// Clients that send their requests byte by byte occupy connections of the server only for the time limit of a request.
 #[test]
 fn slow_requests_do_not_shut_others_out() {
-    let dir = made();
+    let dir = &*MADE;
     let viewing = Viewing::start(&["view", text(&dir.path().join("run"))]);
     let open = |_| {
         let mut stream = TcpStream::connect(&viewing.address).unwrap();
@@ -233,7 +237,7 @@ fn an_unfinished_data_set_shows_what_has_ended() {
 
 #[test]
 fn what_cannot_be_viewed_is_refused() {
-    let dir = made();
+    let dir = &*MADE;
     let refusal = |arguments: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_tactus")).args(arguments).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -144,13 +144,6 @@ fn an_object_let_go_keeps_its_weight_whatever_it_takes() {
 }
 
 #[test]
-fn the_same_bits_on_one_and_on_two_threads() {
-    let scene = squeeze(6.0, 3, FAST);
-    let bits = |threads| serde_json::to_vec(&run(&scene, threads).1).unwrap();
-    assert!(bits(1) == bits(2));
-}
-
-#[test]
 fn a_press_feels_the_same_force_at_the_same_depth() {
     let press = |stepper: &str| {
         let text = format!(

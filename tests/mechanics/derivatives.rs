@@ -530,25 +530,24 @@ fn across(s: DVec3, normal: DVec3) -> DVec3 {
     s - normal * normal.dot(s)
 }
 
-/// The Hessian is exact, including the object's curvature and the second order of the rotation `exp(w) R` at `w = 0`.
+/// Without friction the Hessian is exact, including the object's curvature and the second order of the rotation
+/// `exp(w) R` at `w = 0`. With friction the limit `mu p` and the normal are lagged: assembly fixes them, and gradient
+/// and Hessian are those of the lagged potential, which `energy` returns until the next assembly. `couple` adds the
+/// dependence of friction on the pressure.
 #[test]
-fn contact_pressure_has_its_derivatives_in_nodes_travel_and_pose() {
-    let covered = check_contact(0.0, 0.05);
-    assert!(covered.soft > 30 && covered.hard > 30, "{covered:?}");
-}
-
-/// The limit `mu p` and the normal are lagged: assembly fixes them, and gradient and Hessian are those of the lagged
-/// potential, which `energy` returns until the next assembly. `couple` adds the dependence of friction on the pressure.
-#[test]
-fn sticking_friction_has_its_derivatives_in_nodes_travel_and_pose() {
-    let covered = check_contact(5.0, 0.03);
-    assert!(covered.stuck > 50 && covered.slipping == 0, "{covered:?}");
-}
-
-#[test]
-fn slipping_friction_has_its_derivatives_in_nodes_travel_and_pose() {
-    let covered = check_contact(0.02, 0.2);
-    assert!(covered.slipping > 50, "{covered:?}");
+fn contact_with_and_without_friction_has_its_derivatives_in_nodes_travel_and_pose() {
+    let pressing = |c: &Covered| c.soft > 30 && c.hard > 30;
+    let sticking = |c: &Covered| c.stuck > 50 && c.slipping == 0;
+    let slipping = |c: &Covered| c.slipping > 50;
+    type Meant = fn(&Covered) -> bool;
+    for (name, friction, drag, meant) in [
+        ("pressure", 0.0, 0.05, pressing as Meant),
+        ("sticking", 5.0, 0.03, sticking),
+        ("slipping", 0.02, 0.2, slipping),
+    ] {
+        let covered = check_contact(friction, drag);
+        assert!(meant(&covered), "{name}: {covered:?}");
+    }
 }
 
 /// A term whose candidate list dates from an earlier state has the same energy, forces and clearance, bit for bit, as a
@@ -696,31 +695,21 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactL
     scenes
 }
 
-/// Gap and normal are those at the closest point of the pad's faces, which may be curved.
+/// Gap and normal are those at the closest point of the pad's faces, which may be curved. The Hessian is exact:
+/// `H = k dg dg - p d2g` with the gap `g`; the second part accounts for curvature and rotation of the pad's face and for
+/// the sliding of the closest point.
 #[test]
-fn pressure_at_features_is_the_gradient_of_its_energy() {
+fn pressure_at_features_has_its_derivatives() {
     for sharp in [true, false] {
-        let mut covered = Covered::default();
+        let (mut covered, mut quadratic) = (Covered::default(), 0);
         for (scene, law, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
             covered.add(&law, term.edges());
-            scene.check_gradient("pressure at features", &mut term);
-        }
-        println!("sharp {sharp}: {covered:?}");
-        assert!(covered.soft > 20 && covered.hard > 20, "sharp {sharp}: {covered:?}");
-    }
-}
-
-/// `H = k dg dg - p d2g` with the gap `g`; the second part accounts for curvature and rotation of the pad's face and
-/// for the sliding of the closest point.
-#[test]
-fn hessian_of_pressure_at_features_is_exact() {
-    for sharp in [true, false] {
-        let mut quadratic = 0;
-        for (scene, _, mut term, _) in feature_scenes(sharp, 0.0, 0.03) {
             quadratic += usize::from(matches!(scene.body.elements, Elements::Quadratic(_)));
             scene.check("pressure at features", &mut term);
         }
-        assert!(quadratic > 5, "{quadratic} scenes with bent faces");
+        println!("sharp {sharp}: {covered:?}");
+        assert!(covered.soft > 20 && covered.hard > 20, "sharp {sharp}: {covered:?}");
+        assert!(quadratic > 5, "sharp {sharp}: {quadratic} scenes with bent faces");
     }
 }
 
@@ -784,15 +773,11 @@ fn check_feature_friction(friction: f64, drag: f64) -> Covered {
 /// Friction is lagged as at the pad's points; since sticking point and normal are held fixed, the Hessian is exact on
 /// curved faces too.
 #[test]
-fn sticking_friction_at_features_has_its_derivatives() {
+fn sticking_and_slipping_friction_at_features_have_their_derivatives() {
     let covered = check_feature_friction(5.0, 0.03);
-    assert!(covered.stuck > 20 && covered.slipping == 0, "{covered:?}");
-}
-
-#[test]
-fn slipping_friction_at_features_has_its_derivatives() {
+    assert!(covered.stuck > 20 && covered.slipping == 0, "sticking: {covered:?}");
     let covered = check_feature_friction(0.02, 0.15);
-    assert!(covered.slipping > 20, "{covered:?}");
+    assert!(covered.slipping > 20, "slipping: {covered:?}");
 }
 
 /// Adapter of an object term to a body term for the same checks; its derivatives in nodes and travel must vanish.

@@ -17,20 +17,15 @@ fn scene(text: &str) -> Scene {
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
-fn run_on(text: &str, threads: usize) -> (Outcome, Vec<Frame>) {
+/// Runs a scene and asserts that it reaches its end.
+fn run(text: &str) -> (Outcome, Vec<Frame>) {
     let scene = scene(text);
     let model = Model::build(&scene).unwrap();
     let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
-    let mut outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, threads, &keep).unwrap();
-    (outcomes.remove(0), keep.0.into_inner().unwrap())
-}
-
-/// Runs a scene and asserts that it reaches its end.
-fn run(text: &str) -> (Outcome, Vec<Frame>) {
-    let (outcome, frames) = run_on(text, 1);
+    let outcome = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &keep).unwrap().remove(0);
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}\n{text}", outcome.summary.reason);
-    (outcome, frames)
+    (outcome, keep.0.into_inner().unwrap())
 }
 
 fn moving(frame: &Frame) -> Moving {
@@ -210,14 +205,6 @@ fn a_turned_hand_turns_gravity() {
     let hand = moving(frames.last().unwrap());
     let turned = hand.hand_rotation.angle_between(DQuat::from_rotation_x(0.0)).to_degrees();
     assert!(turned < 1e-6 && hand.hand_position.distance(DVec3::new(0.0, 0.0, -0.05)) < 1e-9, "the middle stays");
-}
-
-#[test]
-fn the_same_bits_on_one_and_on_two_threads() {
-    let motions = "[Close(force: 4.0, duration: 0.02), Lift(height: 0.01, duration: 0.05)]";
-    let text = held(&format!("Dynamic(motions: {motions}, time_step: 2e-3, frames: 3)"), "ground: Plane(),");
-    let bits = |threads| serde_json::to_vec(&run_on(&text, threads).1).unwrap();
-    assert!(bits(1) == bits(2));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Pushes on a squeezed object: balance of forces and onset of slip by Coulomb's law.
 
 use crate::keep::Keep;
+use std::sync::LazyLock;
 use tactus::backend::choose;
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
@@ -24,9 +25,15 @@ fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, GraspSummary) 
     (frames.0.into_inner().unwrap(), ends.remove(0).summary)
 }
 
+/// A push that friction holds.
+const HELD: &str = "force: (0, 1.5, -1), torque: (4e-3, 0, 0)";
+
+/// Frames and summary of this push with whole pads, shared by tests.
+static WHOLE: LazyLock<(Vec<Frame>, GraspSummary)> = LazyLock::new(|| pushed(2.5, HELD, "Full"));
+
 #[test]
 fn the_pads_carry_a_push_and_the_block_follows_it() {
-    let (frames, end) = pushed(2.5, "force: (0, 1.5, -1), torque: (4e-3, 0, 0)", "Full");
+    let (frames, end) = &*WHOLE;
     assert_eq!((frames.len(), end.status), (10, Status::Reached));
     for (k, frame) in frames.iter().enumerate() {
         let part = k.saturating_sub(1) as f64 / 8.0;
@@ -60,9 +67,8 @@ fn a_block_slips_where_coulomb_says() {
 
 #[test]
 fn condensed_pads_carry_a_push_as_whole_ones_do() {
-    let push = "force: (0, 1.5, -1), torque: (4e-3, 0, 0)";
-    let [(whole, _), (condensed, _)] = ["Full", "Condensed(error: 0.01)"].map(|solver| pushed(2.5, push, solver));
-    let (a, b) = (&whole[9].pads[0].displacement, &condensed[9].pads[0].displacement);
+    let (condensed, _) = pushed(2.5, HELD, "Condensed(error: 0.01)");
+    let (a, b) = (&WHOLE.0[9].pads[0].displacement, &condensed[9].pads[0].displacement);
     let norm = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>().sqrt();
     let off = norm(&mut a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)))
         / norm(&mut a.iter().map(|a| a.length_squared()));

@@ -1,7 +1,7 @@
 //! Mechanics underlying the network: rigid equilibrium, linear pad response, projected contact, force balance.
 
 use glam::{DQuat, DVec3};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use tactus::base::random::Random;
 use tactus::geometry::Pose;
 use tactus::geometry::Wrench;
@@ -22,22 +22,28 @@ const SCENE: &str = r#"Scene(
     loading: Squeeze(force: 8.0, frames: 2),
 )"#;
 
-fn model() -> Arc<Model> {
-    Model::build(&from_ron(SCENE).unwrap()).unwrap()
+/// Model of [`SCENE`] and graph of its pads, shared by tests.
+static MADE: LazyLock<(Arc<Model>, Arc<PadGraph>)> = LazyLock::new(|| {
+    let model = Model::build(&from_ron(SCENE).unwrap()).unwrap();
+    let graph = Arc::new(graph(&model));
+    (model, graph)
+});
+
+fn graph(model: &Model) -> PadGraph {
+    PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap()
 }
 
-/// Returns the features of a rotated, off-centre grasp without any symmetry.
+/// Returns the features of a rotated, off-centre grasp without any symmetry, of a model with the pads of [`SCENE`].
 fn features(model: &Arc<Model>) -> GraspFeatures {
     let turn = DQuat::from_scaled_axis(DVec3::new(0.1, 0.2, 0.15));
     let pose = Pose { position: turn * DVec3::new(0.0, 0.003, -0.102), rotation: turn };
-    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
-    GraspFeatures::new(model, &graph, &GeometricContact::find(model, pose).unwrap())
+    GraspFeatures::new(model, &MADE.1, &GeometricContact::find(model, pose).unwrap())
 }
 
 #[test]
 fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
-    let model = model();
-    let features = features(&model);
+    let model = &MADE.0;
+    let features = features(model);
     let (equilibrium, basis) = (&features.equilibrium, &features.graph.basis);
     for force in [0.03, 0.1, 0.5] {
         let rest = equilibrium.rest(&force.into());
@@ -65,8 +71,8 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
 /// force to 1 % of one finger's.
 #[test]
 fn an_object_that_is_held_stays_where_it_is() {
-    let model = model();
-    let features = features(&model);
+    let model = &MADE.0;
+    let features = features(model);
     let force = 0.01;
     let rest = features.equilibrium.rest(&force.into());
     let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
@@ -91,7 +97,7 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     let model = Model::build(&from_ron(scene).unwrap()).unwrap();
     let turn = DQuat::from_rotation_y(12_f64.to_radians());
     let pose = Pose { position: turn * DVec3::new(0.0, 0.0, -0.1), rotation: turn };
-    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
+    let graph = Arc::new(graph(&model));
     let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, pose).unwrap());
     let turned = |force: f64| {
         let rest = features.equilibrium.rest(&(0.5 * force / features.unit_force()).into());
@@ -113,7 +119,7 @@ fn friction_within_a_small_contact_resists_spinning() {
     )"#;
     let scene = from_ron(scene).unwrap();
     let (model, poses) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap());
-    let graph = Arc::new(PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap());
+    let graph = Arc::new(graph(&model));
     for (grasp, turned) in [(1, [-0.159, -0.432, -2.902]), (9, [0.190, -0.278, 4.976]), (10, [-0.229, -0.261, 2.914])] {
         let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, poses[grasp]).unwrap());
         let rest = features.equilibrium.rest(&(1.5 / features.unit_force()).into());
@@ -173,7 +179,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
 
 #[test]
 fn hats_share_out_their_force_and_give_alike_to_each_other() {
-    let graph = PadGraph::new(&model().fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let graph = &MADE.1;
     let basis = &graph.basis;
     assert!(basis.count() < graph.face.len(), "basis stand on corners, not in the middle of edges");
     for part in &basis.parts {
@@ -195,8 +201,7 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
 /// function is more compliant by over 10 %.
 #[test]
 fn basis_functions_that_press_evenly_give_as_the_response_does() {
-    for element in ["Quadratic", "Linear"] {
-        let graph = PadGraph::new(&pad(element).fingers[0], Layout::Face { depths: 3 }).unwrap();
+    for (element, (_, graph)) in ["Linear", "Quadratic"].into_iter().zip(&*BOXES) {
         let basis = &graph.basis;
         // Force of each function under uniform pressure, from half of the area of its first node and its weight there.
         let even: Vec<DVec3> =
@@ -220,9 +225,8 @@ fn basis_functions_that_press_evenly_give_as_the_response_does() {
 #[test]
 fn the_linear_response_is_in_equilibrium_with_its_force() {
     // For 4-node tetrahedra the response is computed on the same mesh.
-    let model = pad("Linear");
+    let (model, graph) = &BOXES[0];
     let finger = &model.fingers[0];
-    let graph = PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap();
     let (body, thickness) = (&finger.body, graph.thickness);
     let compliance = &graph.compliance;
     let unit = body.material.moduli().young * thickness * thickness;
@@ -250,20 +254,23 @@ fn the_linear_response_is_in_equilibrium_with_its_force() {
     }
 }
 
-/// Returns a model with box pads of these elements.
-fn pad(element: &str) -> Arc<Model> {
-    let scene = from_ron(&format!(
-        "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 4.0), stepper: Fem(element: {element}),
-          gripper: (pads: Box(size: (0.016, 0.016, 0.004), spacing: 2e-3)))",
-    ));
-    Model::build(&scene.unwrap()).unwrap()
-}
+/// Models with box pads of 4-node and of 10-node tetrahedra, and graphs of their pads, shared by tests.
+static BOXES: LazyLock<[(Arc<Model>, PadGraph); 2]> = LazyLock::new(|| {
+    ["Linear", "Quadratic"].map(|element| {
+        let scene = from_ron(&format!(
+            "(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 4.0), stepper: Fem(element: {element}),
+              gripper: (pads: Box(size: (0.016, 0.016, 0.004), spacing: 2e-3)))",
+        ));
+        let model = Model::build(&scene.unwrap()).unwrap();
+        let graph = graph(&model);
+        (model, graph)
+    })
+});
 
 /// 4-node tetrahedra lock: the refined mesh of 10-node tetrahedra is 1 to 8 times as compliant under a nodal force.
 #[test]
 fn the_response_of_the_refined_pad_is_softer_under_its_force() {
-    let [stiff, soft] = ["Linear", "Quadratic"].map(|element| {
-        let graph = PadGraph::new(&pad(element).fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let [stiff, soft] = BOXES.each_ref().map(|(_, graph)| {
         let middle = |i: &usize| graph.rest[*i].length();
         let node = (0..graph.face.len()).min_by(|a, b| middle(a).total_cmp(&middle(b))).unwrap();
         [0, 1, 2].map(|axis| graph.compliance.row(graph.face[node], axis).unwrap()[3 * node + axis])
@@ -292,10 +299,9 @@ const FRICTION: f64 = 0.8;
 
 #[test]
 fn projected_forces_push_only_and_keep_their_sum() {
-    let model = model();
-    let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let graph = &MADE.1;
     let compliance = &graph.compliance;
-    let face = dragged(&graph, 0.1);
+    let face = dragged(graph, 0.1);
     let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face), FRICTION).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
@@ -317,10 +323,9 @@ fn projected_forces_push_only_and_keep_their_sum() {
 /// less than 0.3 %.
 #[test]
 fn projected_forces_converge_where_the_contact_slips() {
-    let model = model();
-    let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: 3 }).unwrap();
+    let graph = &MADE.1;
     for (slip, lean) in [(0.5, 0.0), (1.2, 0.0), (0.5, 0.5), (1.2, 0.5)] {
-        let mut face = dragged(&graph, slip);
+        let mut face = dragged(graph, slip);
         for (node, x) in face.iter_mut().zip(&graph.rest) {
             node.normal = (node.normal + lean * x.truncate().extend(0.0) / graph.thickness).normalize();
         }

@@ -4,7 +4,7 @@ use crate::common::Random;
 use crate::keep::Keep;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use tactus::backend::choose;
 use tactus::mech::element::TET10;
 use tactus::model::Model;
@@ -23,8 +23,8 @@ fn scene(folder: &Path, text: &str) -> Scene {
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
-/// Model and last frame, which is valid, of a ball squeezed with 4 N.
-fn squeezed() -> (Arc<Model>, Frame) {
+/// Model and last frame, which is valid, of a ball squeezed with 4 N, shared by tests.
+static SQUEEZED: LazyLock<(Arc<Model>, Frame)> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let text = "(object: (shape: Sphere(radius: 0.015)), gripper: (pads: GelSightMini(spacing: 4e-3)),
         loading: Squeeze(force: 4, frames: 1), expect: [NoInversion, NoPenetration, Converged(relative: 1e-3)])";
@@ -36,7 +36,7 @@ fn squeezed() -> (Arc<Model>, Frame) {
     let frame = last.last();
     assert_eq!(outcomes[0].measured.findings, Some(judge(&model, &frame)), "what the run measured");
     (model, frame)
-}
+});
 
 fn judge(model: &Model, frame: &Frame) -> Findings {
     model.auditor.as_ref().expect("the scene asks for it").judge(&model.fingers, frame, DVec3::ZERO)
@@ -44,18 +44,18 @@ fn judge(model: &Model, frame: &Frame) -> Findings {
 
 #[test]
 fn a_spoilt_frame_is_found_out() {
-    let (model, sound) = squeezed();
-    let fine = judge(&model, &sound);
+    let (model, sound) = &*SQUEEZED;
+    let fine = judge(model, sound);
     println!("{fine:?}");
     assert!(fine.finite && fine.min_det_f > 0.5 && fine.penetration < 1e-5 && fine.imbalance < 1e-3, "{fine:?}");
 
     let mut frame = sound.clone();
     frame.pads[1].position[7].y = f64::NAN;
-    assert!(!judge(&model, &frame).finite, "a position that is no number");
+    assert!(!judge(model, &frame).finite, "a position that is no number");
 
     let mut frame = sound.clone();
     frame.object_position.x += 1e-4;
-    let depth = judge(&model, &frame).penetration;
+    let depth = judge(model, &frame).penetration;
     assert!((depth - 1e-4).abs() < 1.5e-5, "the ball moved 100 um into the right pad is found {depth} m deep");
 
     let mut frame = sound.clone();
@@ -64,7 +64,7 @@ fn a_spoilt_frame_is_found_out() {
         pad.position.iter_mut().for_each(|p| *p += closing * 0.016 + DVec3::Z * 0.03);
     }
     frame.object_position.z -= 0.05;
-    let depth = judge(&model, &frame).penetration;
+    let depth = judge(model, &frame).penetration;
     assert!(depth > 5e-4, "pads pushed through each other beside the ball are found {depth} m deep");
 
     let mut frame = sound.clone();
@@ -75,7 +75,7 @@ fn a_spoilt_frame_is_found_out() {
     });
     if let Some(inner) = inner {
         frame.pads[0].position[inner].y += 1e-5;
-        let imbalance = judge(&model, &frame).imbalance;
+        let imbalance = judge(model, &frame).imbalance;
         assert!(
             imbalance > 10.0 * fine.imbalance,
             "an inner node 10 um off its place leaves {imbalance} of the force over"
@@ -83,10 +83,10 @@ fn a_spoilt_frame_is_found_out() {
     }
     let mut frame = sound.clone();
     frame.pads[0].wrench.force *= 1.01;
-    assert!(judge(&model, &frame).imbalance > 5e-3, "a contact force that the gel does not feel");
+    assert!(judge(model, &frame).imbalance > 5e-3, "a contact force that the gel does not feel");
     let mut frame = sound.clone();
     frame.applied_force *= 1.01;
-    assert!(judge(&model, &frame).imbalance > 5e-3, "a finger force that the mount does not give");
+    assert!(judge(model, &frame).imbalance > 5e-3, "a finger force that the mount does not give");
 }
 
 /// For every law and both elements, the elastic forces of the audit (finite differences of the energy) equal those of
@@ -124,7 +124,7 @@ fn forces_of_the_audit_agree_with_those_of_the_solver() {
 /// points stays positive.
 #[test]
 fn a_folded_corner_is_an_inversion() {
-    let (model, mut frame) = squeezed();
+    let (model, mut frame) = SQUEEZED.clone();
     let ElementNodes::Quadratic(tets) = &model.fingers[0].topology.elements else { panic!("10-node tetrahedra") };
     let n = tets[0].map(|i| i as usize);
     let x = &mut frame.pads[0].position;

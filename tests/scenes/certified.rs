@@ -10,6 +10,7 @@ use tactus::bench::certify::{Reference, References};
 use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
 use tactus::model::grasp::poses_of;
+use tactus::model::judge::{Measured, evaluate};
 use tactus::model::{Model, accuracy};
 use tactus::record::error_norm::{Distance, FieldInterpolation, Points};
 use tactus::record::{Frame, Status};
@@ -22,13 +23,13 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Model, and last frame of the first grasp.
-fn last(scene: &Scene) -> (Arc<Model>, Frame) {
+/// Model, and last frame and measurements of the first grasp.
+fn last(scene: &Scene) -> (Arc<Model>, Frame, Measured) {
     let (model, stepper) = (Model::build(scene).unwrap(), choose(scene).unwrap());
     let keep = Keep::default();
     let outcome = run_grasp(&model, stepper.as_ref(), 0, poses_of(scene).unwrap()[0], &keep).unwrap();
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}", outcome.summary.reason);
-    (model, keep.last())
+    (model, keep.last(), outcome.measured)
 }
 
 /// Compared values and their relative tolerances.
@@ -80,9 +81,11 @@ fn row(name: &str) -> Reference {
     all.rows.into_iter().find(|r| r.name == name).unwrap_or_else(|| panic!("docs/references.json has no {name}"))
 }
 
+/// Each object has one grasp, which keeps the promises of its scene, too: `shipped.rs` leaves this scene to this test.
 #[test]
 fn default_settings_meet_the_references() {
-    let mut all = scenes("scenes/references.ron");
+    let mut all = scenes(crate::promises::REFERENCES);
+    assert!(all.iter().all(|named| poses_of(&named.scene).unwrap().len() == 1 && !named.scene.expect.is_empty()));
     if data("objects/dgn/lemon01").is_some() {
         all.extend(scenes("tests/scenes/scanned_lemon.ron"));
     }
@@ -90,8 +93,10 @@ fn default_settings_meet_the_references() {
     for named in all {
         let mut scene = named.scene;
         scene.record.fields.extend([Field::Stress, Field::ContactForce]);
-        let (model, frame) = last(&scene);
+        let (model, frame, measured) = last(&scene);
         beyond.extend(judge(&row(named.name.as_str()), &values(&model, &frame)));
+        let held = scene.expect.iter().map(|e| evaluate(e, &measured));
+        beyond.extend(held.filter(|h| !h.held).map(|h| format!("{}: {h:?}", named.name.as_str())));
     }
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }
@@ -141,7 +146,7 @@ fn against_twice_as_fine(scene: &Scene) -> (f64, usize) {
     let scene = accuracy::with_chosen_mesh(scene).unwrap();
     let mut finer = scene.clone();
     finer.gripper.pads = coarser(&scene.gripper.pads, 0.5).unwrap();
-    let ((own, frame), (truth, exact)) = (last(&scene), last(&finer));
+    let ((own, frame, _), (truth, exact, _)) = (last(&scene), last(&finer));
     let points = Points::of(&truth.fingers[0].topology);
     let fields =
         |model: &Model, frame: &Frame| FieldInterpolation::new(&points, &model.fingers[0].topology).fields(frame);
@@ -162,7 +167,7 @@ fn the_chosen_mesh_is_as_accurate_as_asked_for() {
     };
     let mut cases = vec![("press".to_string(), 0.1, press(0.1).unwrap())];
     if let Some(asked) = std::env::var("TACTUS_ACCURACY").ok().and_then(|asked| asked.parse().ok()) {
-        for named in scenes("scenes/references.ron") {
+        for named in scenes(crate::promises::REFERENCES) {
             let mut scene = named.scene;
             let accuracy = Fraction::new(asked).unwrap();
             scene.gripper.pads =

@@ -7,17 +7,6 @@ fn tactus(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn check_prints_the_complete_scene() {
-    let out = tactus(&["check", "scenes/quickstart.ron"]);
-    assert_eq!(out.status.code(), Some(0));
-    assert!(String::from_utf8(out.stdout).unwrap().contains("mean_dilatation: true"));
-    let out = tactus(&["check", "scenes/lemon.ron", "--format", "json"]);
-    let json: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
-    assert_eq!(json["scene"]["loading"]["Squeeze"]["force"], 15.0);
-    assert_eq!(json["sources"].as_array().unwrap().len(), 2);
-}
-
-#[test]
 fn refusals_go_to_stderr_with_code_two() {
     for arguments in [
         &["check", "nowhere.ron"][..],

@@ -105,16 +105,12 @@ fn failures_can_be_expected() {
 }
 
 #[test]
-fn one_bad_grasp_breaks_a_scene_and_no_grasp_proves_nothing() {
+fn of_several_grasps_the_worst_speaks_and_no_grasp_proves_nothing() {
     let e = &expectations("NoInversion")[0];
     let bad = audited(Findings { min_det_f: -1.0, ..FINE });
     assert_eq!(evaluate_all(e, &[good(), bad, good()]).value, Some(-1.0));
     assert!(evaluate_all(e, &[good(), good()]).held);
     assert!(!evaluate_all(e, &[]).held);
-}
-
-#[test]
-fn of_several_grasps_the_worst_speaks() {
     let e = &expectations("NoPenetration")[0];
     let deep = |penetration: f64| audited(Findings { penetration, ..FINE });
     assert_eq!(evaluate_all(e, &[deep(1e-6), deep(8e-6), deep(2e-6)]).value, Some(8e-6));

@@ -92,7 +92,8 @@ fn every_shipped_scene_is_checked() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Scenes of `torture` and `dynamic` run completely in `torture.rs` and `shipped.rs`.
+/// Commands on every scene: `shipped.rs` and `torture.rs` run all frames of these scenes, of `dynamic` and of `torture`,
+/// and judge their results.
 #[test]
 fn every_shipped_scene_runs_one_frame() {
     let found =
@@ -274,30 +275,36 @@ fn hostile_texts_are_refused_in_bounded_time_and_memory() {
     check("both.ron", &format!("(include: [\"half.ron\", \"other.ron\"], {object})"), &["together larger than 16 MiB"]);
 }
 
+/// The scene itself, what it includes, and every field that names a file, one of a robot description among them. Meshes
+/// that are read without a scene are tested in `mesh_bad_input.rs`.
 #[cfg(unix)]
 #[test]
-fn fifos_and_devices_are_refused_by_name() {
+fn what_is_no_regular_file_is_refused_by_name_wherever_it_is_named() {
     let dir = tempfile::tempdir().unwrap();
+    for fifo in ["fifo", "fifo.xml"] {
+        assert!(Command::new("mkfifo").arg(dir.path().join(fifo)).status().unwrap().success());
+    }
     let fifo = dir.path().join("fifo");
-    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-    let fifo = fifo.to_str().unwrap();
-    refused_at_once(&["check", fifo], &["fifo: is a fifo, not a scene file"]);
+    refused_at_once(&["check", fifo.to_str().unwrap()], &["fifo: is a fifo, not a scene file"]);
     refused_at_once(&["check", "/dev/zero"], &["/dev/zero: is a device, not a scene file"]);
-    let rest = "object: (shape: Sphere(radius: 0.02)),\n loading: Squeeze(force: 1)";
-    let scene = |name: &str, field: &str| file(dir.path(), name, &format!("({rest},\n {field})"));
-    let include = scene("include.ron", "include: [\"fifo\"]");
-    refused_at_once(&["check", &include], &["is a fifo, not a scene file", "include.ron:3:12"]);
-    let include = scene("zero.ron", "include: [\"/dev/zero\"]");
-    refused_at_once(&["run", &include], &["/dev/zero: is a device", "zero.ron:3:12"]);
-    for (field, says) in [
-        ("grasps: File(\"/dev/zero\")", "/dev/zero is a device, not a file"),
-        ("grasps: File(\"fifo\")", "fifo is a fifo, not a file"),
-        (
-            "gripper: (pads: File(path: \"fifo\", outward: (0, 0, 1), bonded: Plane(within: 1e-4)))",
-            "fifo is a fifo, not a file",
-        ),
+    let robot = |include: &str, name: &str| {
+        let text = crate::robots::bounds::with(&format!("<include file=\"{include}\"/>"));
+        file(dir.path(), name, &text);
+        format!("gripper: (robot: (path: \"{name}\", hand: \"fr3_hand\", pads: (\"left_gel\", \"right_gel\")))")
+    };
+    let pads = "gripper: (pads: File(path: \"fifo\", outward: (0, 0, 1), bonded: Plane(within: 1e-4)))";
+    for (verb, field, says) in [
+        ("check", "include: [\"fifo\"]", &["is a fifo, not a scene file", "field.ron:3:12"][..]),
+        ("run", "include: [\"/dev/zero\"]", &["/dev/zero: is a device", "field.ron:3:12"]),
+        ("check", "grasps: File(\"/dev/zero\")", &["/dev/zero is a device, not a file", "field.ron:3:"]),
+        ("check", "grasps: File(\"fifo\")", &["fifo is a fifo, not a file", "field.ron:3:"]),
+        ("check", "grasps: File(\"/\")", &["is a directory", "field.ron:3:"]),
+        ("check", pads, &["fifo is a fifo, not a file", "field.ron:3:"]),
+        ("check", &robot("fifo.xml", "a.xml"), &["fifo.xml", "a fifo", "not a regular file"]),
+        ("check", &robot("/dev/zero", "b.xml"), &["/dev/zero", "a device", "not a regular file"]),
     ] {
-        refused_at_once(&["check", &scene("field.ron", field)], &[says, "field.ron:3:"]);
+        let text = format!("(object: (shape: Sphere(radius: 0.02)),\n loading: Squeeze(force: 1),\n {field})");
+        refused_at_once(&[verb, &file(dir.path(), "field.ron", &text)], says);
     }
     let mesh = file(dir.path(), "mesh.ron", "(object: (shape: Mesh(\"fifo\")), loading: Squeeze(force: 1))");
     refused_at_once(&["check", &mesh], &["fifo is a fifo, not a file", "mesh.ron:1:23"]);

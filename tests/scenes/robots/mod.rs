@@ -1,6 +1,6 @@
 //! Grippers from robot descriptions: URDF and MJCF files give the same gripper as explicit fields of a scene.
 
-mod bounds;
+pub mod bounds;
 mod mjcf;
 mod soft;
 mod tolerance;
