@@ -5,7 +5,7 @@ function skip(reason, count) {
     counts[reason] += count
 }
 
-/^test result: / { passed += $4; failed += $6; if ($8) { skip("marked as ignored", $8); skipped += $8 }; next }
+/^test result: / { passed += $4; failed += $6; if ($8) { skip("thorough tests, which `tests/all.sh --thorough` runs", $8); skipped += $8 }; next }
 
 # A Rust test that skips at least a part of itself; the test harness counts it as passed.
 match($0, /skipped: [^ ]+: /) {

@@ -103,6 +103,7 @@ fn a_bench_reports_time_and_error_of_every_setting() {
 /// The estimated displacement error of the finest of three mesh levels is within a factor of two of its distance to a
 /// mesh of half the spacing.
 #[test]
+#[ignore = "thorough: certified meshes"]
 fn the_estimated_error_of_the_reference_is_within_a_factor_of_two() {
     let dir = tempfile::tempdir().unwrap();
     let scene = press(dir.path(), "Press(depths: [0.8e-3])");

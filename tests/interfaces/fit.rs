@@ -195,6 +195,7 @@ fn scenes_and_ranges_that_cannot_be_fitted_are_refused_in_words() {
 /// zero explains more than 85 % of the deviation; with depth zero and friction free, all four forces are met within 5
 /// %.
 #[test]
+#[ignore = "thorough: a fit of a measured curve"]
 fn the_curve_of_the_real_sensor_is_met_within_5_percent_by_zero_and_friction() {
     let dir = tempfile::tempdir().unwrap();
     let shipped = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/press_sphere.ron")).unwrap();

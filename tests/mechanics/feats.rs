@@ -90,6 +90,7 @@ fn the_domed_gel_carries_what_the_real_sensor_measured() {
 /// Frictionless forces change by less than 4 % (at 0.5 mm) and 1.5 % with the mesh, increase with nu by less than 10 %
 /// from 0.475 to 0.495, and are larger for a flat face.
 #[test]
+#[ignore = "thorough: a refinement study"]
 fn mesh_compressibility_and_dome_shift_the_curve_as_they_should() {
     let cells = [8, 6, 3];
     let base = curve(GelProfile::Domed, cells, 0.49, 0.0, 2);

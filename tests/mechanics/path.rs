@@ -46,6 +46,7 @@ fn press(frames: usize, more: &str) -> (Frame, u64) {
 /// per frame and sticking points anchored where an iterate first touched the object, ten frames deviate by 3.9 and
 /// 2.3 %.
 #[test]
+#[ignore = "thorough: a press in 400 frames"]
 fn a_press_is_the_same_in_one_ten_and_four_hundred_frames() {
     let (truth, _) = press(400, "");
     for frames in [1, 10] {

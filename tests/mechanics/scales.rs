@@ -99,6 +99,7 @@ fn a_scene_an_eighth_or_eight_times_as_large_has_the_same_answer() {
 /// At a tenth and ten times the size, scaled displacements and forces agree to 1e-6 of the largest. Rounding and hence
 /// the increments differ there, so the test is frictionless (path-independent) and uses a tight tolerance.
 #[test]
+#[ignore = "thorough: six long grasps"]
 fn a_scene_a_tenth_or_ten_times_as_large_has_the_same_answer_without_friction() {
     let sharp = "Fem(tolerance: (force: 1e-9))";
     let misses = misses(0.0, &[("Fixed", sharp)], [0.1, 10.0], 1e-6);

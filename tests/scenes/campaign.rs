@@ -155,6 +155,7 @@ fn squeeze(number: u64, folder: &Path) -> Option<String> {
 }
 
 #[test]
+#[ignore = "thorough: a campaign"]
 fn random_squeezes_reach_their_force_or_say_why_not() {
     let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<u64>().ok());
     let (count, seed) = (number("TACTUS_CAMPAIGN"), number("TACTUS_CAMPAIGN_SEED").unwrap_or(1));

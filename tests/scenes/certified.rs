@@ -83,6 +83,7 @@ fn row(name: &str) -> Reference {
 
 /// Each object has one grasp, which keeps the promises of its scene, too: `shipped.rs` leaves this scene to this test.
 #[test]
+#[ignore = "thorough: certified meshes"]
 fn default_settings_meet_the_references() {
     let mut all = scenes(crate::promises::REFERENCES);
     assert!(all.iter().all(|named| poses_of(&named.scene).unwrap().len() == 1 && !named.scene.expect.is_empty()));

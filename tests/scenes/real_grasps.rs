@@ -19,6 +19,7 @@ const OBJECTS: [(&str, usize, f64); 4] =
     [("sphere01", 0, 0.99), ("lemon01", 12, 0.0), ("cuboid02", 0, 0.99), ("6polygon01", 0, 0.99)];
 
 #[test]
+#[ignore = "thorough: grasps of scanned objects"]
 fn free_objects_reach_fifteen_newtons_without_inversion_or_penetration() {
     let Some(objects) = data("objects/dgn") else { return };
     let all = std::env::var_os("TACTUS_ALL_GRASPS").is_some();

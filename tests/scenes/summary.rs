@@ -32,7 +32,7 @@ fn the_last_lines_count_what_was_skipped_and_why() {
         "skipped: ../shared/data is not here (2)\n\
          skipped: python3 has no meshio (1)\n\
          skipped: python3 has no vtkmodules (1)\n\
-         skipped: marked as ignored (2)\n\
+         skipped: thorough tests, which `tests/all.sh --thorough` runs (2)\n\
          skipped: PyTorch is not installed (3)\n\
          skipped: no Chromium: none on the path (1)\n\
          52 passed, 4 failed, 9 skipped\n"

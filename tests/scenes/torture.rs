@@ -8,6 +8,7 @@ fn all() -> bool {
 }
 
 #[test]
+#[ignore = "thorough: every hard scene"]
 fn hard_scenes_keep_their_promises() {
     let without: &[&str] = if all() { &[] } else { &["slow"] };
     let scenes = crate::promises::scenes(&crate::promises::shipped().join("torture"), without);
