@@ -49,14 +49,12 @@ fn changed_scene(change: Change, scene: &Scene, model: &Model) -> Scene {
     scene
 }
 
-/// Returns the grasp with a change.
-fn changed_pose(change: Change, mut pose: Pose) -> Pose {
+/// Returns the grasp with a change; `midpoint` between the pads at zero travel, m, hand frame.
+fn changed_pose(change: Change, mut pose: Pose, midpoint: DVec3) -> Pose {
     match change {
         Change::Turn => {
-            // Rotation about the point between the pads, which does not move.
             let turn = DQuat::from_axis_angle(DVec3::Y, TURN);
-            let grip = DVec3::Z * scene::defaults::PLACEMENT_Z.get();
-            pose.position += pose.rotation * (grip - turn * grip);
+            pose.position += pose.rotation * (midpoint - turn * midpoint);
             pose.rotation *= turn;
         }
         Change::Shift => pose.position += pose.rotation * (DVec3::Z * SHIFT),
@@ -105,13 +103,15 @@ pub fn sensitivity(
     let pad = model.fingers.first().map_or(&none, |f| &f.topology);
     let points = Points::of(pad);
     let probe = FieldInterpolation::new(&points, pad);
+    let fingers = model.fingers.len().max(1) as f64;
+    let midpoint = model.fingers.iter().map(|finger| finger.placement.origin).sum::<DVec3>() / fingers;
     let mut answers = vec![Vec::new(); grasps.len()];
     for change in CHANGES.into_iter().filter(|change| applies(*change, model)) {
         let changed = match change {
             Change::Turn | Change::Shift => model.clone(),
             Change::Friction | Change::Release => Model::build(&changed_scene(change, scene, model))?,
         };
-        let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose))).collect();
+        let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose, midpoint))).collect();
         let last = LastFrames::default();
         let outcomes = run_grasps(&changed, stepper, &posed, threads, &last)?;
         let mut other = Ends::of(&outcomes, last).0;
