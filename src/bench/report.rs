@@ -3,7 +3,7 @@
 use super::entry::BenchEntry;
 use super::front::{Competitor, time_at};
 use super::ladder::RefinementStudy;
-use super::quantity::Quantity;
+use super::quantity::NamedQuantity;
 pub use super::quantity::{QUANTITIES, QuantityName};
 use super::rules::Rules;
 use base::stats::Spread;
@@ -172,7 +172,7 @@ pub fn mark_dominated(points: &mut [Point]) {
 impl Point {
     fn new(entry: &BenchEntry) -> Self {
         let spread =
-            |(name, pick): &Quantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s));
+            |(name, pick): &NamedQuantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s));
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
         let whole: f64 = entry.stages.values().sum();

@@ -86,7 +86,7 @@ fn ranges_that_do_not_fit_are_refused_at_their_place() {
     for (universe, said) in [
         ("friction: (1.0, 0.5)", "universe.friction: the first number is the minimum"),
         ("poisson: (0.3, 0.5)", "universe.poisson: a gel has a Poisson's ratio below 0.5"),
-        ("heavy: 1.5", "universe.heavy: a part of the objects"),
+        ("heavy: 1.5", "universe.heavy: a fraction of the objects"),
         ("families: []", "universe.families: an empty list"),
     ] {
         let error = load_set(scene(dir.path(), universe)).unwrap_err().to_string();

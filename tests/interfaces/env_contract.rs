@@ -197,7 +197,7 @@ fn a_snapshot_that_does_not_fit_is_refused(on: &Backend) {
         (changed(&|s| s.state.truncate(100)), "environment 1: the snapshot was changed or damaged"),
         (changed(&|s| s.key.episode += 1), "environment 1: the snapshot was changed or damaged"),
         (changed(&|s| s.format = 7), "environment 1: the snapshot has format 7"),
-        (other, "environment 1: the snapshot is of another scene"),
+        (other, "environment 1: the snapshot belongs to another scene"),
     ];
     for (bad, said) in cases {
         let error = env.restore(1, &bad).unwrap_err();

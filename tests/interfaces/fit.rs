@@ -167,7 +167,7 @@ fn tables_that_are_none_are_refused_by_line() {
     std::fs::write(dir.path().join("curve.csv"), [b'd', 0xff, b'\n']).unwrap();
     let table = dir.path().join("curve.csv");
     let out = tactus(&["fit", "scenes/press_sphere.ron", "--curve", table.to_str().unwrap()]);
-    assert!(String::from_utf8_lossy(&out.stderr).contains("curve.csv:1: is no text in UTF-8"));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("curve.csv:1: is not UTF-8 text"));
 }
 
 #[test]

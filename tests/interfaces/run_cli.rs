@@ -41,7 +41,7 @@ fn exit_codes_say_whether_expectations_held() {
     assert_eq!(code("expect: [Travel(at_most: 1e-6)]"), Some(1));
     assert_eq!(code("grasps: List([(position: (0, 0.2, -0.1))])"), Some(1), "no expectation, and a grasp that misses");
     assert_eq!(
-        code("grasps: List([(position: (0, 0.2, -0.1))]), expect: [Infeasible(contains: \"meets nothing\")]"),
+        code("grasps: List([(position: (0, 0.2, -0.1))]), expect: [Infeasible(contains: \"does not touch the object\")]"),
         Some(0)
     );
     assert_eq!(code("stepper: Gnn(model: \"m\")"), Some(2));
@@ -326,7 +326,7 @@ fn predictions_of_many_grasps_come_as_a_table_as_json_and_as_arrays() {
     };
     let refused = again(&[]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(refused.status.code() == Some(2) && said.contains("lemon.npz: holds an earlier prediction"), "{said}");
+    assert!(refused.status.code() == Some(2) && said.contains("lemon.npz: contains an earlier prediction"), "{said}");
     assert_eq!(again(&["--overwrite"]).status.code(), Some(0));
 
     let scene = write(dir.path(), 2, "grasps: List([(position: (0, 0, -0.1)), (position: (0, 0.2, -0.1))])");

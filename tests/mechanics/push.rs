@@ -58,7 +58,7 @@ fn a_block_slips_where_coulomb_says() {
         assert_eq!(end.status, Status::Dropped, "{solver}");
         assert_eq!(frames.last().unwrap().object_load.force.y, 3.0, "{solver}: the last frame below 3.2 N");
         let reason = end.reason.unwrap();
-        let held = reason.split(" % of it").next().and_then(|before| before.rsplit(' ').next());
+        let held = reason.split(" % of the push, ").next().and_then(|before| before.rsplit(' ').next());
         let held = 4e-2 * held.and_then(|percent| percent.parse::<f64>().ok()).expect(&reason);
         assert!((3.2 - 0.06..=3.2 + 0.04).contains(&held), "{solver}: {held} N are held: {reason}");
         assert!(end.newton_iterations <= 400, "{solver}: {} iterations", end.newton_iterations);
