@@ -72,15 +72,13 @@ fn wide(row: &Matrix, rows: usize) -> Matrix {
 fn main() {
     println!("| layer | dfdx, ms | own, ms | used | largest difference |\n|---|---|---|---|---|");
     for (name, rows) in [("nodes", NODES), ("edges", EDGES)] {
-        let inputs = [random(rows, WIDTH, 1), random(rows, WIDTH, 2), random(1, WIDTH, 3)];
-        let b = &inputs[2];
-        let one = matrix(WIDTH, WIDTH, (0..WIDTH * WIDTH).map(|i| f32::from(u8::from(i % (WIDTH + 1) == 0))).collect());
-        // Products are fast in either; what costs are the passes after them.
+        let inputs = [random(rows, WIDTH, 1), random(WIDTH, WIDTH, 2), random(1, WIDTH, 3), random(rows, WIDTH, 4)];
+        let [_, w, b, _] = &inputs;
         line(
-            &format!("bias, another term and gate (own: with the product of a linear layer); {name}"),
+            &format!("linear layer and another term, gated; {name}"),
             &inputs,
-            &|x| gated(x[0].clone() + x[1].clone() + wide(b, rows)),
-            Some(&|x| linear(x[0].clone(), &one, Some(b), vec![x[1].clone()], Activation::Gated)),
+            &|x| gated(x[0].clone().matmul(w.clone()) + x[3].clone() + wide(b, rows)),
+            Some(&|x| linear(x[0].clone(), w, Some(b), vec![x[3].clone()], Activation::Gated)),
         );
         line(
             &format!("layer normalisation; {name}"),
