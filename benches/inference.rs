@@ -16,7 +16,7 @@ use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use tactus::net::infer::predict::Predictor;
-use tactus::net::infer::{Decoding, FaceEngine};
+use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::edges::Edges;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
@@ -91,7 +91,9 @@ impl Case {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
         let decode = |loads| {
-            drop(black_box(self.engine.decode(&[Decoding { features: &self.features, code: &code, loads }], true)));
+            drop(black_box(
+                self.engine.decode(&[DecodeRequest { features: &self.features, code: &code, loads }], true),
+            ));
         };
         [encode, best(|| self.pieces.iter().for_each(decode))]
     }

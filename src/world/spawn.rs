@@ -2,10 +2,10 @@
 
 use crate::components::*;
 use crate::schedule::{
-    BalanceReport, CurrentGrasp, FallbackReason, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport,
-    Timings,
+    BalanceReport, CurrentGrasp, FallbackReason, ForceCommand, NextPhase, Phase, RecordedFrame, SharedModel, StepLoad,
+    StepReport, Timings,
 };
-use crate::systems::audit::Audited;
+use crate::systems::audit::AuditFindings;
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
@@ -45,12 +45,12 @@ pub fn spawn(model: &Arc<Model>, pose: Pose) -> World {
     if model.needs.dynamic {
         world.spawn(HandPose(pose));
     }
-    begin(&mut world, model, pose);
+    reset(&mut world, model, pose);
     world
 }
 
 /// Resets a world of `model` to the start of a grasp at `pose`: columns and resources are as in a new one.
-pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
+pub fn reset(world: &mut World, model: &Arc<Model>, pose: Pose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
     }
@@ -76,17 +76,17 @@ pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
     fill(world, HandPose(pose));
     world.remove_resource::<ForceCommand>();
     world.remove_resource::<FallbackReason>();
-    world.insert_resource(Shared(model.clone()));
+    world.insert_resource(SharedModel(model.clone()));
     world.insert_resource(CurrentGrasp(pose));
     world.insert_resource(Phase::Place);
-    world.insert_resource(Next::default());
+    world.insert_resource(NextPhase::default());
     world.insert_resource(StepLoad::default());
     world.insert_resource(StepReport::default());
     world.insert_resource(BalanceReport::default());
-    world.insert_resource(Recorded::default());
+    world.insert_resource(RecordedFrame::default());
     world.insert_resource(Timings::default());
     if model.needs.audit {
-        world.insert_resource(Audited::default());
+        world.insert_resource(AuditFindings::default());
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::compliance::Compliance;
 use super::deviator::{Deviator, PARTS};
-use crate::matrix::numbers::Map;
+use crate::matrix::numbers::MappedFile;
 use base::files::atomic::{create_dir, write_atomic};
 use etcetera::BaseStrategy;
 use model::part::FingerModel;
@@ -79,7 +79,7 @@ impl ComplianceCache {
         let file = File::open(&path).ok()?;
         // The modification time is that of the last use, for `make_room`; a folder of another user keeps its times.
         let _ = file.set_modified(SystemTime::now());
-        let found = Map::of(&file).and_then(|map| response(&map, key));
+        let found = MappedFile::of(&file).and_then(|map| response(&map, key));
         if found.is_none() {
             let _ = std::fs::remove_file(&path);
         }
@@ -115,7 +115,7 @@ impl ComplianceCache {
 }
 
 /// Returns the response in an undamaged file with this key.
-fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
+fn response(map: &MappedFile, key: &ComplianceKey) -> Option<Compliance> {
     let (body, sum) = map.bytes().split_last_chunk::<SUM>()?;
     if blake3::hash(body).as_bytes() != sum {
         return None;
@@ -144,7 +144,7 @@ fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
 /// Returns the content of the file of a response.
 fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
     let Deviator { start, slot, parts } = &compliance.deviator;
-    let (forces, rows) = (compliance.forces, compliance.moving());
+    let (forces, rows) = (compliance.forces, compliance.displacement_count());
     let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [
         ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),

@@ -1,7 +1,7 @@
 //! Deviatoric stress at the nodes of a pad from small displacements, as [`mech::body::Body::cauchy`] recovers
 //! it.
 
-use crate::matrix::numbers::Numbers;
+use crate::matrix::numbers::F32Array;
 use glam::DVec3;
 use mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
 use model::part::FingerModel;
@@ -19,7 +19,7 @@ pub struct Deviator {
     /// Slots of the neighbours among the movable nodes.
     pub slot: Vec<u32>,
     /// Coefficients of the neighbours: (neighbours, [`PARTS`]).
-    pub parts: Numbers,
+    pub parts: F32Array,
 }
 
 impl Deviator {

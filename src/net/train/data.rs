@@ -5,8 +5,8 @@ use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
 use crate::features::{EDGE, NODE, PAD, Parity};
-use crate::linear_response::known_pads::PadGraphs;
 use crate::linear_response::pad_graph::Layout;
+use crate::linear_response::pad_graphs::PadGraphs;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{Sample, model_of};
 use base::error::{Error, Result};
@@ -128,7 +128,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
     };
     let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
-        Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
+        Normaliser::fit(samples.iter().map(pick), parity).with_bounds_of(validation.iter().map(pick), parity)
     };
     // Stress over its unit: E times depth over thickness, for the depth of its level and pad.
     let stress = {
@@ -174,7 +174,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
 }
 
 /// Graph of the full pads, and the features of their contact edges at all forces.
-type Whole = (Arc<Volume>, Vec<f32>);
+type VolumeFeatures = (Arc<Volume>, Vec<f32>);
 
 /// Computes the statistics of the full pads, if the samples have them.
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
@@ -183,10 +183,10 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
         let contact = s.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         Some((volume, contact))
     };
-    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<Whole>>>();
+    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<VolumeFeatures>>>();
     let (own, beside) = (all(samples)?, all(validation)?);
-    let fit = |pick: fn(&Whole) -> &[f32], parity: &[Parity]| {
-        Normaliser::fit(own.iter().map(pick), parity).reaching(beside.iter().map(pick), parity)
+    let fit = |pick: fn(&VolumeFeatures) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(own.iter().map(pick), parity).with_bounds_of(beside.iter().map(pick), parity)
     };
     Some(VolumeNormalisers {
         node: fit(|(volume, _)| &volume.node, &VOLUME_NODE),

@@ -6,7 +6,7 @@ use crate::features::loads::LoadFeatures;
 use crate::features::rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::object_motion::motion;
+use crate::linear_response::object_motion::rigid_motion;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::linear_response::{GraspLoad, loads_of};
 use crate::network::{NetworkOutput, Normalisers};
@@ -34,7 +34,7 @@ pub struct Sample {
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
     /// Load of each level, N and N m.
-    pub given: Vec<GraspLoad>,
+    pub grasp_loads: Vec<GraspLoad>,
     /// Displacement (levels, pads, nodes, 3), m.
     pub displacement: Vec<f32>,
     /// Stress (levels, pads, nodes), Pa.
@@ -100,7 +100,7 @@ impl Sample {
             object: file.name.clone(),
             grasp,
             loads: features.loads(&given),
-            given,
+            grasp_loads: given,
             features,
             forces,
             displacement: Vec::new(),
@@ -122,7 +122,7 @@ impl Sample {
             let Pose { position, rotation } = Pose::from_row(&data.object_pose[7 * k..]);
             let now = Pose { position, rotation };
             for finger in &model.fingers {
-                let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
+                let (shift, turn) = rigid_motion(model, &touch.object, &now, finger.placement.rotation);
                 sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
             }
         }
@@ -130,16 +130,16 @@ impl Sample {
     }
 
     /// Returns a sample with these levels only.
-    pub fn levels(&self, levels: &[usize]) -> Self {
+    pub fn select_levels(&self, levels: &[usize]) -> Self {
         let count = self.forces.len();
         Self {
             object: self.object.clone(),
             grasp: self.grasp,
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
-            loads: self.loads.levels(levels),
+            loads: self.loads.select_levels(levels),
             forces: rows(&self.forces, count, levels),
-            given: rows(&self.given, count, levels),
+            grasp_loads: rows(&self.grasp_loads, count, levels),
             displacement: rows(&self.displacement, count, levels),
             stress: rows(&self.stress, count, levels),
             contact: rows(&self.contact, count, levels),
@@ -184,7 +184,7 @@ impl Sample {
         // In the pad frame the object presses against the closing direction.
         let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
         let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
-        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing[at] * self.features.unit_force());
+        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing_force[at] * self.features.unit_force());
         let travel = self.travel.iter().zip(&loads.travel).zip(depth).map(|((x, prior), d)| {
             (((x - prior) / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32
         });

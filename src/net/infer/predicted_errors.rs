@@ -23,7 +23,7 @@ pub fn predicted_errors(predictor: &Predictor, scene: &Scene, poses: &[Pose]) ->
     let last = loads.last().copied().unwrap_or_default();
     let doubt = |pose: &Pose| {
         let Ok(touch) = GeometricContact::find(&model, *pose) else { return Ok(0.0) };
-        Ok(predictor.at(&predictor.look(&model, &graph, &touch), last)?.error.displacement)
+        Ok(predictor.at(&predictor.encode_first_contact(&model, &graph, &touch), last)?.error.displacement)
     };
     poses.iter().map(doubt).collect()
 }
