@@ -11,7 +11,7 @@ use tactus::net::autodiff::ops::{Activation, layer_norm, linear, sparse_product,
 use tactus::net::autodiff::tensor::{Matrix, SharedTape, gradients, matrix, values};
 use tactus::net::matrix::Sparse;
 use tactus::net::network::layers::force_fractions;
-use tactus::net::train::loss::root_error;
+use tactus::net::train::loss::bounded_relative_error;
 
 const NODES: usize = 1500;
 const EDGES: usize = 12_000;
@@ -105,7 +105,7 @@ fn main() {
         &field[..1],
         &|x| {
             let rows = x[0].shape().0;
-            let loss = root_error(x[0].clone(), vec![0.0; 3 * rows], vec![1.0; rows], 12);
+            let loss = bounded_relative_error(x[0].clone(), vec![0.0; 3 * rows], vec![1.0; rows], 12);
             loss.reshape_like(&(1, 1))
         },
         None,

@@ -16,7 +16,7 @@ use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::{GraspLoad, loads_of};
+use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
 
@@ -61,7 +61,7 @@ fn stages() -> Result<Vec<Stage>> {
     let touch = GeometricContact::find(&model, pose)?;
     let features = GraspFeatures::new(&model, &graph, &touch);
     let seen = predictor.encode_first_contact(&model, &graph, &touch);
-    let all = loads_of(&model);
+    let all = frame_loads(&model);
     let ramp = LoadInterpolation::new(&predictor, &seen, &all)?;
     // The choice of loads does not affect times.
     let few: Vec<GraspLoad> = (0..ramp.decoded()).map(|k| all[k * all.len() / ramp.decoded()]).collect();

@@ -23,7 +23,7 @@ use std::time::Instant;
 use world::Stepper;
 use world::components::*;
 use world::schedule::{
-    BalanceReport, CurrentGrasp, ForceCommand, NextPhase, Phase, SharedModel, StepLoad, StepReport, StepSet, Timings,
+    BalanceReport, ForceCommand, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport, StepSet, Timings,
     computes_frame, reached,
 };
 use world::systems::sense::close_to_contact;
@@ -69,7 +69,7 @@ impl NetworkStepper {
     pub fn foresee(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
-        let pose = world.get_resource::<CurrentGrasp>().ok_or_else(missing)?.0;
+        let pose = world.get_resource::<GraspPose>().ok_or_else(missing)?.0;
         let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         prediction.look(&model, contact);

@@ -18,7 +18,7 @@ use std::time::Instant;
 use world::Stepper;
 use world::run::sensitivity::{FinalStates, LastFrames, sensitivity};
 use world::run::writer::RunWriter;
-use world::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
+use world::run::{Observer, Outcome, RecordingOptions, RunRecorder, run_grasps};
 
 /// Scene that is ready to run.
 #[derive(Debug)]
@@ -88,7 +88,7 @@ impl Simulation {
     pub fn record(&self, dir: &Path, overwrite: bool) -> Result<RunWriter> {
         let (scene, model) = (&self.scene, &self.model);
         let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
-        let options = Options {
+        let options = RecordingOptions {
             vtu: scene.record.vtu,
             arrays: scene.record.arrays.is_some(),
             moving: model.needs.dynamic,
@@ -99,7 +99,7 @@ impl Simulation {
             object_name: model.object.name.clone(),
             pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
             order: self.grasps.iter().map(|(number, _)| *number).collect(),
-            ..Options::default()
+            ..RecordingOptions::default()
         };
         Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
     }

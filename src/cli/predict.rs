@@ -232,7 +232,7 @@ impl Answer {
             travel_mm: 1e3 * state.pads.iter().map(|p| p.travel).sum::<f64>() / state.pads.len() as f64,
             displacement_mm: 1e3 * most(&mut state.pads.iter().flat_map(|p| &p.displacement).map(|u| u.length())),
             stress_kpa: state.pads.iter().any(|p| !p.stress.is_empty()).then_some(1e-3 * stress),
-            object_deg: most(&mut state.pads.iter().map(|p| p.turn.length())).to_degrees(),
+            object_deg: most(&mut state.pads.iter().map(|p| p.rotation_vector.length())).to_degrees(),
             error: state.error,
         }
     }

@@ -2,7 +2,7 @@
 //! [`Model`], so any number may run in parallel.
 
 use crate::Stepper;
-use crate::schedule::{CurrentGrasp, FallbackReason, Phase, RecordedFrame, SharedModel, StepSet, Timings};
+use crate::schedule::{FallbackReason, GraspPose, Phase, RecordedFrame, SharedModel, StepSet, Timings};
 use crate::spawn::{reset, spawn};
 use crate::systems::audit::AuditFindings;
 use crate::systems::schedule;
@@ -60,7 +60,7 @@ impl Environment {
 
     /// Returns the pose of the hand in the object frame.
     pub fn pose(&self) -> Pose {
-        self.world.resource::<CurrentGrasp>().0
+        self.world.resource::<GraspPose>().0
     }
 
     /// Runs one step: places the object, closes the hand to first contact, or advances to the next load level. Does

@@ -125,7 +125,7 @@ pub struct SharedModel(pub Arc<Model>);
 
 /// Pose of the hand in the object frame.
 #[derive(Resource, Debug, Clone, Copy)]
-pub struct CurrentGrasp(pub Pose);
+pub struct GraspPose(pub Pose);
 
 /// Load given externally, step by step; without it the levels of the scene apply, one after the other.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 
 use crate::components::*;
 use crate::schedule::{
-    BalanceReport, CurrentGrasp, FallbackReason, ForceCommand, NextPhase, Phase, RecordedFrame, SharedModel, StepLoad,
+    BalanceReport, FallbackReason, ForceCommand, GraspPose, NextPhase, Phase, RecordedFrame, SharedModel, StepLoad,
     StepReport, Timings,
 };
 use crate::systems::audit::AuditFindings;
@@ -54,30 +54,30 @@ pub fn reset(world: &mut World, model: &Arc<Model>, pose: Pose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
     }
-    fill(world, NodalStress(0.0));
-    fill(world, ContactForce(DVec3::ZERO));
-    fill(world, NodeGap(0.0));
-    fill(world, NodeSlip(0.0));
-    fill(world, TetStress(0.0));
-    fill(world, ContactEdge::default());
-    fill(world, ContactFriction::default());
-    fill(world, FirstContact(0.0));
-    fill(world, FingerTravel(0.0));
-    fill(world, FingerForce(0.0));
-    fill(world, FingerWrench::default());
-    fill(world, ContactArea(0.0));
+    set_all(world, NodalStress(0.0));
+    set_all(world, ContactForce(DVec3::ZERO));
+    set_all(world, NodeGap(0.0));
+    set_all(world, NodeSlip(0.0));
+    set_all(world, TetStress(0.0));
+    set_all(world, ContactEdge::default());
+    set_all(world, ContactFriction::default());
+    set_all(world, FirstContact(0.0));
+    set_all(world, FingerTravel(0.0));
+    set_all(world, FingerForce(0.0));
+    set_all(world, FingerWrench::default());
+    set_all(world, ContactArea(0.0));
     let start = pose.inverse();
-    fill(world, ObjectPose(start));
-    fill(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
-    fill(world, ObjectVelocity::default());
-    fill(world, ObjectMomentum::default());
-    fill(world, InertialWrench::default());
-    fill(world, GroundWrench::default());
-    fill(world, HandPose(pose));
+    set_all(world, ObjectPose(start));
+    set_all(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
+    set_all(world, ObjectVelocity::default());
+    set_all(world, ObjectMomentum::default());
+    set_all(world, InertialWrench::default());
+    set_all(world, GroundWrench::default());
+    set_all(world, HandPose(pose));
     world.remove_resource::<ForceCommand>();
     world.remove_resource::<FallbackReason>();
     world.insert_resource(SharedModel(model.clone()));
-    world.insert_resource(CurrentGrasp(pose));
+    world.insert_resource(GraspPose(pose));
     world.insert_resource(Phase::Place);
     world.insert_resource(NextPhase::default());
     world.insert_resource(StepLoad::default());
@@ -91,7 +91,7 @@ pub fn reset(world: &mut World, model: &Arc<Model>, pose: Pose) {
 }
 
 /// Sets this component of all entities to the same value.
-fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
+fn set_all<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
     world.query::<&mut C>().iter_mut(world).for_each(|mut own| own.clone_from(&value));
 }
 

@@ -12,10 +12,10 @@ use tactus::net::autodiff::ops::{
 use tactus::net::autodiff::tensor::{Matrix, NoneTape, Real, SharedTape, gradients, matrix, values};
 use tactus::net::linear_response::balance::{ObjectBalance, PadLoad};
 use tactus::net::linear_response::compliance::Compliance;
-use tactus::net::linear_response::deviator::{Deviator, PARTS};
+use tactus::net::linear_response::deviator::{DeviatoricStressMap, PARTS};
 use tactus::net::matrix::Sparse;
 use tactus::net::network::layers::force_fractions;
-use tactus::net::train::loss::root_error;
+use tactus::net::train::loss::bounded_relative_error;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
     (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()
@@ -46,7 +46,7 @@ fn compare<E: Real>(
     let (rows, cols) = *pass(&parameters).shape();
     let target = numbers(&mut random, rows * cols);
     let weight: Vec<f32> = (0..rows).map(|_| 0.5 + random.unit() as f32).collect();
-    let loss = |p: &[Matrix<E>]| root_error(pass(p), target.clone(), weight.clone(), rows);
+    let loss = |p: &[Matrix<E>]| bounded_relative_error(pass(p), target.clone(), weight.clone(), rows);
     let gradients = gradients(loss(&parameters), &parameters);
     for k in 0..parameters.len() {
         let start = values(&parameters[k]);
@@ -133,7 +133,7 @@ fn linear_responses() {
     let mut random = Random::new(5);
     let (slot, forces) = (vec![Some(0), None, Some(1)], 6);
     let parts = numbers(&mut random, 4 * PARTS).into();
-    let deviator = Deviator { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
+    let deviator = DeviatoricStressMap { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
     let response = numbers(&mut random, 6 * forces);
     let pad = Arc::new(Compliance::from_parts(slot, response.clone().into(), forces, deviator));
     check!("response", &[(11, 6)], |t, _| free_displacement(&pad, t[0].clone()));

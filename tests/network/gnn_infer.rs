@@ -10,7 +10,7 @@ use tactus::model::Model;
 use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::{GraspLoad, loads_of};
+use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
@@ -30,7 +30,10 @@ fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
         ("contact force", vectors(|p| &p.contact)),
         ("stress", pads.iter().flat_map(|p| &p.stress).copied().collect()),
         ("travel", pads.iter().map(|p| p.travel).collect()),
-        ("object motion", pads.iter().flat_map(|p| [p.shift.to_array(), p.turn.to_array()].concat()).collect()),
+        (
+            "object motion",
+            pads.iter().flat_map(|p| [p.translation.to_array(), p.rotation_vector.to_array()].concat()).collect(),
+        ),
     ]
 }
 
@@ -146,7 +149,7 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     let predictor = Predictor::open(Path::new("universe")).unwrap();
     let touch = GeometricContact::find(&model, poses[0].1).unwrap();
     let seen = predictor.encode_first_contact(&model, &predictor.graph_if_in_range(&model, false).unwrap(), &touch);
-    let loads = loads_of(&model);
+    let loads = frame_loads(&model);
     let ramp = LoadInterpolation::new(&predictor, &seen, &loads).unwrap();
     assert!(ramp.decoded() <= 20, "{} of {} loads are decoded", ramp.decoded(), loads.len());
     let mean_error = |state: &dyn Fn(usize) -> GraspState| {

@@ -55,7 +55,7 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
                 let push = turn * *push;
                 carried -= push.dot(finger.placement.closing);
                 (sum, torque) =
-                    (sum + push, torque + (equilibrium.hand_position(p, *x, *u, &rest) - rest.shift).cross(push));
+                    (sum + push, torque + (equilibrium.hand_position(p, *x, *u, &rest) - rest.translation).cross(push));
             }
             torque += finger.placement.closing * rest.twist[p];
             assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
@@ -82,7 +82,12 @@ fn an_object_that_is_held_stays_where_it_is() {
     };
     let both: f64 = model.fingers.iter().enumerate().map(pressed).sum();
     assert!((both - 2.0 * force).abs() < 1e-2 * force, "two fingers closed by {force} E t2 press with {both}");
-    assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
+    assert!(
+        rest.translation == DVec3::ZERO && rest.rotation == DQuat::IDENTITY,
+        "{} {}",
+        rest.translation,
+        rest.rotation
+    );
 }
 
 /// A block held askew by 12 degrees and released under load rotates back: by 9.05 degrees with condensed finite

@@ -8,7 +8,7 @@ use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use model::Model;
 use world::Stepper;
-use world::schedule::{CurrentGrasp, SharedModel};
+use world::schedule::{GraspPose, SharedModel};
 use world::spawn::spawn_edges;
 
 /// Finite element backend, with the settings of a scene.
@@ -58,7 +58,7 @@ impl Stepper for FemStepper {
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not created for a grasp".into());
         let shared = world.get_resource::<SharedModel>().ok_or_else(missing)?.clone();
-        let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
+        let grasp = *world.get_resource::<GraspPose>().ok_or_else(missing)?;
         let pose = grasp.0.inverse();
         world.insert_resource(GraspSolver::new(&shared.0, pose, &self.settings)?);
         world.insert_resource(systems::EdgeReadings::default());

@@ -3,7 +3,7 @@
 use crate::infer::contact_correction::object_pose;
 use crate::infer::predict::{PadState, Predictor};
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use base::error::Result;
 use dataset::inspect::frame;
 use dataset::{ObjectFile, StoredGrasp};
@@ -28,7 +28,7 @@ pub fn reference_and_prediction(
 ) -> Result<[Vec<Frame>; 2]> {
     let touch = GeometricContact::find(model, Pose::from_row(&grasp.grasp_pose))?;
     let seen = predictor.encode_first_contact(model, &predictor.graph(model)?, &touch);
-    let all = loads_of(model);
+    let all = frame_loads(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
     let states = predictor.states(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();

@@ -2,7 +2,7 @@
 
 use super::GraspFeatures;
 use super::parity::Parity::{self, Even, X, XY, Y};
-use crate::features::rows;
+use crate::features::select_rows;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::balance::{ObjectBalance, PadLoad};
 use crate::linear_response::projected_gradient::{ContactNode, LANES, projected_contact};
@@ -56,14 +56,14 @@ impl LoadFeatures {
     pub fn select_levels(&self, wanted: &[usize]) -> Self {
         let count = self.load.len();
         Self {
-            node: rows(&self.node, count, wanted),
-            pad: rows(&self.pad, count, wanted),
-            load: rows(&self.load, count, wanted),
-            held: rows(&self.held, count, wanted),
-            pressing_force: rows(&self.pressing_force, count, wanted),
-            depth: rows(&self.depth, count, wanted),
-            travel: rows(&self.travel, count, wanted),
-            motion: rows(&self.motion, count, wanted),
+            node: select_rows(&self.node, count, wanted),
+            pad: select_rows(&self.pad, count, wanted),
+            load: select_rows(&self.load, count, wanted),
+            held: select_rows(&self.held, count, wanted),
+            pressing_force: select_rows(&self.pressing_force, count, wanted),
+            depth: select_rows(&self.depth, count, wanted),
+            travel: select_rows(&self.travel, count, wanted),
+            motion: select_rows(&self.motion, count, wanted),
             balance: wanted.iter().filter_map(|level| self.balance.get(*level)).cloned().collect(),
         }
     }
@@ -205,7 +205,7 @@ impl GraspFeatures {
         // Area of a uniform pressure with the same sum of squares; weakly loaded nodes hardly contribute.
         let area = pull.z.powi(2) / uneven.max(1e-12);
         let travel = state.travel[p];
-        let (shift, turn) = (to_pad * state.shift, to_pad * state.rotation.to_scaled_axis());
+        let (shift, turn) = (to_pad * state.translation, to_pad * state.rotation.to_scaled_axis());
         let row = [
             force.ln(),
             force.cbrt(),

@@ -18,7 +18,7 @@ use self::object_query::ObjectQuery;
 use self::parity::Parity::{Even, X, Y};
 pub use self::parity::{Parity, ROTATION, VECTOR};
 use self::sub_element::SmallestGap;
-use self::volume::Volume;
+use self::volume::VolumeGraph;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{Layout, PadGraph};
 use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
@@ -71,7 +71,7 @@ pub struct GraspFeatures {
     /// The same, weighted also by proximity to the object.
     pub near: Arc<Sparse>,
     /// Graph of the full pads and the object, for a network that passes messages there.
-    pub volume: Option<Arc<Volume>>,
+    pub volume: Option<Arc<VolumeGraph>>,
     /// Model of the grasp.
     pub model: Arc<Model>,
     pub(crate) first_contact: GeometricContact,
@@ -94,10 +94,10 @@ impl GraspFeatures {
         for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
             let view = ObjectQuery::new(model, touch, placement, *travel);
-            let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.of_pad(*x), MAX_GAP * t) / t).collect();
+            let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.pad_to_object(*x), MAX_GAP * t) / t).collect();
             let nearest = sub_element::smallest_gaps(&view, graph, &own);
             for (i, (x, gap)) in graph.rest.iter().zip(&own).enumerate() {
-                let (at, gap) = (view.of_pad(*x), *gap);
+                let (at, gap) = (view.pad_to_object(*x), *gap);
                 let normal = view.distance_and_normal(at + view.closing * (gap.min(MAX_GAP) * t)).1;
                 let normal = if gap < MAX_GAP { normal } else { DVec3::ZERO };
                 let mut row = vec![x.x / t, x.y / t, gap];
@@ -140,7 +140,7 @@ impl GraspFeatures {
         Self {
             mean: pool(&|_, i| area[i]),
             near: pool(&|p, i| area[i] * (-gaps[p][i] / DECAY_LENGTHS[1]).exp()),
-            volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
+            volume: (graph.layout == Layout::Volume).then(|| Arc::new(VolumeGraph::new(model, graph, touch))),
             graph: graph.clone(),
             pads,
             node,
@@ -170,7 +170,7 @@ pub fn edge_features(graph: &PadGraph) -> Vec<f32> {
 }
 
 /// Returns the rows of the blocks with the indices `wanted`, out of `count` blocks of equal size.
-pub(crate) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+pub(crate) fn select_rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
 }

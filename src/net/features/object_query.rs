@@ -30,12 +30,12 @@ impl<'a> ObjectQuery<'a> {
     }
 
     /// Returns a point of the pad in the object frame.
-    pub fn of_pad(&self, x: DVec3) -> DVec3 {
+    pub fn pad_to_object(&self, x: DVec3) -> DVec3 {
         self.inverse * (self.placement.place(x) + self.carried - self.object.position)
     }
 
     /// Returns a point of the object in the pad frame.
-    pub fn in_pad(&self, x: DVec3) -> DVec3 {
+    pub fn object_to_pad(&self, x: DVec3) -> DVec3 {
         let place = self.object.rotation * x + self.object.position - self.carried - self.placement.origin;
         self.placement.rotation.transpose() * place
     }

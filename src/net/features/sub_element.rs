@@ -40,7 +40,7 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
         let least = nodes.iter().map(|i| gaps[*i as usize]).fold(f64::INFINITY, f64::min);
         if least < NEAR {
             let at = nodes.iter().map(|i| graph.rest[*i as usize]).sum::<DVec3>() / nodes.len() as f64;
-            let gap = view.gap(view.of_pad(at), least * t) / t;
+            let gap = view.gap(view.pad_to_object(at), least * t) / t;
             enter(nodes, at, gap);
         }
     };
@@ -49,7 +49,7 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
     let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
     let highest = graph.rest.iter().map(|x| x.z).fold(f64::NEG_INFINITY, f64::max);
     for feature in view.model.features.iter() {
-        let at = view.in_pad(feature.position);
+        let at = view.object_to_pad(feature.position);
         if at.z > highest + NEAR * t || !graph.bounds_contain(at.xy()) {
             continue;
         }

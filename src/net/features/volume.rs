@@ -37,7 +37,7 @@ const FINE: f64 = 0.6;
 
 /// Graph with its features. Nodes: those of the pads, left first, then those of the object.
 #[derive(Debug, Clone)]
-pub struct Volume {
+pub struct VolumeGraph {
     /// Features of nodes (nodes, [`VOLUME_NODE`]).
     pub node: Vec<f32>,
     /// Edges of the meshes.
@@ -56,7 +56,7 @@ pub struct Volume {
     pub face: Arc<Sparse>,
 }
 
-impl Volume {
+impl VolumeGraph {
     /// Builds the graph of a grasp of `model` at first contact.
     pub fn new(model: &Model, graph: &PadGraph, touch: &GeometricContact) -> Self {
         let (t, topology) = (graph.thickness, &model.fingers[0].topology);
@@ -202,7 +202,7 @@ fn outside(pad: &PadTopology) -> BTreeSet<u32> {
     nodes
 }
 
-/// Computes [`Volume::turned`]; `inverse` rotates from hand axes to those of the graph.
+/// Computes [`VolumeGraph::turned`]; `inverse` rotates from hand axes to those of the graph.
 fn turned(model: &Model, inverse: DMat3, bonded: &[bool], nodes: usize) -> Arc<Sparse> {
     let (mut rows, count) = (Vec::new(), bonded.len());
     for (p, finger) in model.fingers.iter().enumerate() {

@@ -47,7 +47,7 @@ impl Predictor {
             self.answerable_loads(model, extrapolate).into_iter().map(|(_, load)| load).collect();
         // Groups are small enough to occupy all threads; their composition does not change a single bit.
         let each = poses.len().div_ceil(rayon::current_num_threads());
-        let together = (FaceEngine::LOADS / LoadInterpolation::initial_load_count(model, &loads).max(1))
+        let together = (FaceEngine::LOADS_PER_BATCH / LoadInterpolation::initial_load_count(model, &loads).max(1))
             .min(each)
             .clamp(1, MAX_BATCH);
         let predict = |environment: &mut Option<Environment>, poses: &[Pose]| -> Result<Vec<_>> {

@@ -36,7 +36,7 @@ fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
         let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
         all.sum::<DVec3>() / pads.len() as f64
     };
-    [mean(|p| p.shift), mean(|p| p.turn)]
+    [mean(|p| p.translation), mean(|p| p.rotation_vector)]
 }
 
 /// Returns the pose of the object in a state of the pads of a grasp with first contact `touch`.

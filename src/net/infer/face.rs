@@ -79,7 +79,7 @@ struct Workspace {
 impl FaceEngine {
     /// Number of loads to decode together: a batch shares each reading of the weights, a larger one does not fit into
     /// the caches.
-    pub const LOADS: usize = 32;
+    pub const LOADS_PER_BATCH: usize = 32;
 
     /// Creates the engine from the parameters of a [`crate::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {

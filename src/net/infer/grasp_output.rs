@@ -129,8 +129,8 @@ fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {
         stress: vec![0.0; stressed],
         contact: vec![DVec3::ZERO; nodes],
         travel: 0.0,
-        shift: DVec3::ZERO,
-        turn: DVec3::ZERO,
+        translation: DVec3::ZERO,
+        rotation_vector: DVec3::ZERO,
     };
     for &(answer, level, weight) in parts {
         let GraspOutput { loads, out, norms, graph, .. } = answer;
@@ -156,8 +156,8 @@ fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {
         }
         let motion = block(&out.motion, at, 6).as_chunks().0;
         let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
-        state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
-        state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
+        state.translation += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
+        state.rotation_vector += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
     }
     // Interpolation may overshoot.
     state.stress.iter_mut().for_each(|s| *s = s.max(0.0));

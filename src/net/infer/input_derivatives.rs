@@ -6,7 +6,7 @@ use super::predict::Predictor;
 use crate::features::GraspFeatures;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel};
 use crate::network::spec::NetworkSpec;
 use base::error::{Error, Result};
@@ -105,7 +105,7 @@ impl SceneInputs {
     /// Returns the force under each load of the scene, N, the sum over the fingers, and its coefficient of friction.
     pub fn scene_forces_and_friction(&self) -> (Vec<f64>, f64) {
         let fingers = self.model.fingers.len() as f64;
-        (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
+        (frame_loads(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
     }
 
     /// Returns the inputs shared by all grasps.
@@ -187,7 +187,7 @@ impl SceneInputs {
     fn inputs_at_contact(&self, touch: &GeometricContact, model: &Model, grip: &GraspParameters) -> Vec<Array<f32>> {
         let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
         let features = GraspFeatures::new(&own, &self.graph, touch);
-        let (fingers, usual) = (own.fingers.len() as f64, loads_of(&own));
+        let (fingers, usual) = (own.fingers.len() as f64, frame_loads(&own));
         let squeezed = usual.into_iter().zip(&grip.force);
         let loads: Vec<_> = squeezed.map(|(load, force)| GraspLoad { force: force / fingers, ..load }).collect();
         grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers)

@@ -67,7 +67,7 @@ impl LoadInterpolation {
         let Some(model) = grasps.first().map(|seen| seen.model()) else { return Vec::new() };
         let first = Self::of(model, loads).initial_loads();
         let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(model, loads))).collect();
-        for some in first.chunks(FaceEngine::LOADS) {
+        for some in first.chunks(FaceEngine::LOADS_PER_BATCH) {
             let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
             for (ramp, answer) in ramps.iter_mut().zip(predictor.decode_batch(grasps, &given)) {
                 match (ramp.as_mut(), answer) {
@@ -99,7 +99,7 @@ impl LoadInterpolation {
             if missing.is_empty() {
                 return Ok(self);
             }
-            for some in missing.chunks(FaceEngine::LOADS) {
+            for some in missing.chunks(FaceEngine::LOADS_PER_BATCH) {
                 let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
                 self.add(some, predictor.decode(seen, &given)?);
             }

@@ -11,7 +11,7 @@ use crate::features::loads::LoadFeatures;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{PadGraph, mesh_hash};
 use crate::linear_response::pad_graphs::PadGraphs;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel, WEIGHTS};
 use crate::network::parameters::Parameters;
 use crate::network::spec::NetworkSpec;
@@ -154,7 +154,7 @@ impl Predictor {
 
     /// Returns indices and loads of the frames of `model` that have an answer.
     pub fn answerable_loads(&self, model: &Model, extrapolate: bool) -> Vec<(usize, GraspLoad)> {
-        let loads = loads_of(model);
+        let loads = frame_loads(model);
         self.card.range.answerable_frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
     }
 
@@ -163,7 +163,7 @@ impl Predictor {
     /// # Errors
     /// Fails for a pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(self.pads.of(&[model.finger()?])?.remove(0))
+        Ok(self.pads.get_or_build(&[model.finger()?])?.remove(0))
     }
 
     /// Encodes a grasp at first contact, with the only pass of message passing.
@@ -208,7 +208,7 @@ impl Predictor {
     /// Fails if predicted numbers are not finite.
     pub fn states(&self, seen: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
         let mut states = Vec::with_capacity(loads.len());
-        let together = if self.engine.is_some() { FaceEngine::LOADS } else { TENSOR_BATCH_LEVELS };
+        let together = if self.engine.is_some() { FaceEngine::LOADS_PER_BATCH } else { TENSOR_BATCH_LEVELS };
         for some in loads.chunks(together) {
             let answer = self.decode(seen, some)?;
             states.par_extend((0..some.len()).into_par_iter().map(|level| answer.at(level)));

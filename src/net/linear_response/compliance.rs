@@ -5,7 +5,7 @@
 //! more accurate than that of the pad's own mesh. Displacements are over the thickness per force over `E t^2`, pad
 //! frame. Bonded nodes do not move; stress is local: it follows from the displacements of the neighbours of a node.
 
-use super::deviator::{Deviator, deviators};
+use super::deviator::{DeviatoricStressMap, deviatoric_stress_map};
 use super::refined_pad::RefinedPad;
 use crate::matrix::Sparse;
 use crate::matrix::numbers::F32Array;
@@ -33,7 +33,7 @@ pub struct Compliance {
     /// Map from movable nodes to all nodes; rows of bonded nodes are empty.
     pub scatter: Arc<Sparse>,
     /// Map from displacements to the deviatoric stress of every node over `E`.
-    pub deviator: Deviator,
+    pub deviator: DeviatoricStressMap,
 }
 
 impl Compliance {
@@ -93,12 +93,17 @@ impl Compliance {
         for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
         }
-        let deviator = deviators(finger, &slot, thickness);
+        let deviator = deviatoric_stress_map(finger, &slot, thickness);
         Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
     }
 
     /// Creates a response from parts that were computed earlier.
-    pub fn from_parts(slot: Vec<Option<u32>>, response: F32Array, forces: usize, deviator: Deviator) -> Self {
+    pub fn from_parts(
+        slot: Vec<Option<u32>>,
+        response: F32Array,
+        forces: usize,
+        deviator: DeviatoricStressMap,
+    ) -> Self {
         let rows: Vec<Vec<(u32, f32)>> = slot.iter().map(|slot| slot.iter().map(|s| (*s, 1.0)).collect()).collect();
         let scatter = Sparse::new(&rows, response.len() / (3 * forces).max(1));
         Self { nodes: slot.len(), forces, slot, response, scatter, deviator }

@@ -5,7 +5,7 @@
 //! the same content. A folder that cannot be written only costs time; a damaged file is removed and created again.
 
 use super::compliance::Compliance;
-use super::deviator::{Deviator, PARTS};
+use super::deviator::{DeviatoricStressMap, PARTS};
 use crate::matrix::numbers::MappedFile;
 use base::files::atomic::{create_dir, write_atomic};
 use etcetera::BaseStrategy;
@@ -138,12 +138,12 @@ fn response(map: &MappedFile, key: &ComplianceKey) -> Option<Compliance> {
     let integers = |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
     let [slot, start, neighbour] = [integers("slot")?, integers("start")?, integers("neighbour")?];
     let slot = slot.into_iter().map(|s| (s != NONE).then_some(s)).collect();
-    Some(Compliance::from_parts(slot, response, forces, Deviator { start, slot: neighbour, parts }))
+    Some(Compliance::from_parts(slot, response, forces, DeviatoricStressMap { start, slot: neighbour, parts }))
 }
 
 /// Returns the content of the file of a response.
 fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
-    let Deviator { start, slot, parts } = &compliance.deviator;
+    let DeviatoricStressMap { start, slot, parts } = &compliance.deviator;
     let (forces, rows) = (compliance.forces, compliance.displacement_count());
     let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [

@@ -16,7 +16,7 @@ use super::{Forward, Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
 use crate::autodiff::ops::{Activation, sparse_product};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
-use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::pad_graph::Layout;
 use crate::network::parameters::{ParameterBuilder, Parameters};
@@ -119,7 +119,7 @@ impl PaperNetwork {
 }
 
 /// Returns the graph of the full pads and its statistics, which always exist for this network.
-fn volume_inputs<'a, T>(inputs: &'a Inputs<T>) -> (&'a Volume, &'a VolumeNormalisers) {
+fn volume_inputs<'a, T>(inputs: &'a Inputs<T>) -> (&'a VolumeGraph, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
     volume.zip(inputs.normalisers.volume.as_ref()).expect("features have the layout of the network")
 }

@@ -3,7 +3,7 @@
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
-use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::features::{EDGE, NODE, PAD, Parity};
 use crate::linear_response::pad_graph::Layout;
 use crate::linear_response::pad_graphs::PadGraphs;
@@ -73,7 +73,7 @@ pub fn read(sets: &[(&DataSet, &Poses)], known: &PadGraphs, frames: usize) -> Re
         set.objects.iter().try_for_each(|object| object.needs_alike("a network"))?;
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
         let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
-        let of_object = known.of(&fingers)?;
+        let of_object = known.get_or_build(&fingers)?;
         let named = set.select(poses).into_iter();
         chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
     }
@@ -174,7 +174,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
 }
 
 /// Graph of the full pads, and the features of their contact edges at all forces.
-type VolumeFeatures = (Arc<Volume>, Vec<f32>);
+type VolumeFeatures = (Arc<VolumeGraph>, Vec<f32>);
 
 /// Computes the statistics of the full pads, if the samples have them.
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {

@@ -99,8 +99,8 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
         traction: relative(gathered(&off), gathered(&contact)),
         travel: relative(et, mean),
         travel_mm: et * 1e3,
-        object_mm: of(|s| s.shift, 0) * 1e3,
-        object_deg: of(|s| s.turn, 3).to_degrees(),
+        object_mm: of(|s| s.translation, 0) * 1e3,
+        object_deg: of(|s| s.rotation_vector, 3).to_degrees(),
         bound: state.error,
     }
 }

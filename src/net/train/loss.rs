@@ -13,7 +13,7 @@ const SMOOTH: f32 = 1e-3;
 /// sum(weight * squared difference), with a `weight` (n) per row; the result is the mean of r / (1 + r). This bounded
 /// function limits the influence of a few hard groups: the gradient almost vanishes where the error is several times the
 /// size of the target.
-pub fn root_error<E: Real, T: Tape<E>>(
+pub fn bounded_relative_error<E: Real, T: Tape<E>>(
     x: Matrix<E, T>,
     target: Vec<f32>,
     weight: Vec<f32>,

@@ -1,14 +1,14 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use super::loss::{LossValue, root_error};
+use super::loss::{LossValue, bounded_relative_error};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
-use crate::features::rows;
+use crate::features::select_rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::object_motion::rigid_motion;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::{NetworkOutput, Normalisers};
 use base::error::{Error, Result};
 use dataset::{ObjectFile, StoredGrasp};
@@ -92,7 +92,7 @@ impl Sample {
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
         let features = GraspFeatures::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
-        let all = loads_of(model);
+        let all = frame_loads(model);
         // With the force that the simulation applied.
         let given =
             frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
@@ -138,17 +138,17 @@ impl Sample {
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
             loads: self.loads.select_levels(levels),
-            forces: rows(&self.forces, count, levels),
-            grasp_loads: rows(&self.grasp_loads, count, levels),
-            displacement: rows(&self.displacement, count, levels),
-            stress: rows(&self.stress, count, levels),
-            contact: rows(&self.contact, count, levels),
-            travel: rows(&self.travel, count, levels),
-            motion: rows(&self.motion, count, levels),
+            forces: select_rows(&self.forces, count, levels),
+            grasp_loads: select_rows(&self.grasp_loads, count, levels),
+            displacement: select_rows(&self.displacement, count, levels),
+            stress: select_rows(&self.stress, count, levels),
+            contact: select_rows(&self.contact, count, levels),
+            travel: select_rows(&self.travel, count, levels),
+            motion: select_rows(&self.motion, count, levels),
         }
     }
 
-    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form ([`root_error`]), averaged
+    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form ([`bounded_relative_error`]), averaged
     /// over the levels, weighted and added.
     ///
     /// Travel and motion are in the units of [`Normalisers`].
@@ -208,7 +208,7 @@ impl Sample {
             .collect();
         let motion_rows = vec![each / 6.0; levels * pads];
         let part = |x: Matrix<E, T>, target: Vec<f32>, rows: Vec<f32>, weight: f32| {
-            root_error(x, target, rows, levels) * E::of(weight)
+            bounded_relative_error(x, target, rows, levels) * E::of(weight)
         };
         part(output.displacement, u, u_rows, 1.0)
             + part(output.stress, s, s_rows, weights[0])

@@ -20,7 +20,7 @@ use model::Model;
 use model::judge::Findings;
 use model::judge::Measured;
 use model::limits::free_memory;
-pub use options::Options;
+pub use options::RecordingOptions;
 use record::{Frame, GraspSummary, Status};
 pub use recorder::RunRecorder;
 

@@ -1,6 +1,6 @@
 //! Audit as a system, which exists only if an expectation of the scene requires it.
 
-use crate::schedule::{CurrentGrasp, RecordedFrame, SharedModel, Timings};
+use crate::schedule::{GraspPose, RecordedFrame, SharedModel, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use model::judge::Findings;
@@ -13,7 +13,7 @@ pub struct AuditFindings(pub Option<Findings>);
 /// Audits the frame of this step.
 pub fn audit_frame(
     shared: Res<SharedModel>,
-    grasp: Res<CurrentGrasp>,
+    grasp: Res<GraspPose>,
     recorded: Res<RecordedFrame>,
     mut audited: ResMut<AuditFindings>,
     mut timings: ResMut<Timings>,

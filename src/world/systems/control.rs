@@ -1,13 +1,13 @@
 //! Commands of the gripper: the pose of the object at the start, and the load of the next frame.
 
 use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::schedule::{CurrentGrasp, ForceCommand, NextPhase, Phase, SharedModel, StepLoad, StepReport};
+use crate::schedule::{ForceCommand, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Places the object at its grasp pose in the open hand.
 pub fn place_object(
     phase: Res<Phase>,
-    grasp: Res<CurrentGrasp>,
+    grasp: Res<GraspPose>,
     mut next: ResMut<NextPhase>,
     mut pose: Single<&mut ObjectPose>,
     mut travel: Query<&mut FingerTravel>,
@@ -51,7 +51,7 @@ pub fn refuse_weight(
 pub fn set_load(
     phase: Res<Phase>,
     shared: Res<SharedModel>,
-    grasp: Res<CurrentGrasp>,
+    grasp: Res<GraspPose>,
     command: Option<Res<ForceCommand>>,
     mut load: ResMut<StepLoad>,
     mut report: ResMut<StepReport>,

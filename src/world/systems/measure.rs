@@ -1,7 +1,7 @@
 //! Balance of the forces of a frame, computed from the wrenches alone, for any stepper.
 
 use crate::components::*;
-use crate::schedule::{BalanceReport, CurrentGrasp, NextPhase, Phase, SharedModel, StepLoad, StepReport};
+use crate::schedule::{BalanceReport, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use geometry::Wrench;
 use glam::DVec3;
@@ -14,7 +14,7 @@ type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWre
 /// applies to the sum over the fingers.
 pub fn measure_balance(
     shared: Res<SharedModel>,
-    grasp: Res<CurrentGrasp>,
+    grasp: Res<GraspPose>,
     load: Res<StepLoad>,
     mut balance: ResMut<BalanceReport>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,

@@ -83,7 +83,7 @@ pub struct Equilibrium {
     /// Travel of each finger since first contact.
     pub travel: [f64; 2],
     /// Translation of the point of the object midway between the pads.
-    pub shift: DVec3,
+    pub translation: DVec3,
     /// Rotation of the object.
     pub rotation: DQuat,
     /// Force on each basis function of each pad.
@@ -105,7 +105,7 @@ impl Equilibrium {
         };
         Self {
             travel: [0, 1].map(|k| self.travel[k] + part * (other.travel[k] - self.travel[k])),
-            shift: self.shift.lerp(other.shift, part),
+            translation: self.translation.lerp(other.translation, part),
             rotation: self.rotation.lerp(other.rotation, part),
             force: all(&self.force, &other.force),
             displacement: all(&self.displacement, &other.displacement),
@@ -196,7 +196,7 @@ impl RigidEquilibrium {
     /// pads.
     pub fn load_about_midpoint(&self, state: &Equilibrium, load: &GraspLoad) -> Wrench {
         let (Wrench { force, torque }, center) =
-            (self.load_about_centre(load), state.rotation * self.weight[1] + state.shift);
+            (self.load_about_centre(load), state.rotation * self.weight[1] + state.translation);
         Wrench { force, torque: torque + center.cross(force) }
     }
 
@@ -235,7 +235,7 @@ impl RigidEquilibrium {
             functions.zip(&known.queries[pad]).map(move |(((moved, then), at), seen)| {
                 // The object is replaced by its tangent plane there.
                 let place = |state: &Equilibrium, moved: DVec3| {
-                    state.rotation.inverse() * (self.hand_position(pad, *at, moved, state) - state.shift)
+                    state.rotation.inverse() * (self.hand_position(pad, *at, moved, state) - state.translation)
                 };
                 let (now, then) = (place(squeezed, *moved), place(known, *then));
                 let turn = self.fingers[pad].rotation.transpose();
@@ -254,7 +254,8 @@ impl RigidEquilibrium {
     pub fn prescribed_depths(&self, pad: usize, state: &Equilibrium) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
         let along = |(seen, x): (&QueriedPoint, &DVec3)| {
-            let apart = self.hand_position(pad, *x, DVec3::ZERO, state) - state.rotation * seen.point - state.shift;
+            let apart =
+                self.hand_position(pad, *x, DVec3::ZERO, state) - state.rotation * seen.point - state.translation;
             let apart = inverse * apart;
             (-seen.gap - seen.normal.dot(apart), seen.normal)
         };
@@ -269,7 +270,7 @@ impl RigidEquilibrium {
 
     /// Queries the object at the point `place` of `pad`, with the grasp at `state`.
     fn query_point(&self, pad: usize, place: DVec3, state: &Equilibrium, object: &Object) -> QueriedPoint {
-        let point = state.rotation.inverse() * (place - state.shift);
+        let point = state.rotation.inverse() * (place - state.translation);
         let (gap, normal) = object.distance_and_normal(point);
         QueriedPoint {
             gap: gap - self.smallest_gaps[pad],
@@ -284,7 +285,7 @@ impl RigidEquilibrium {
         let all = || vec![vec![DVec3::ZERO; basis.count()]; self.fingers.len()];
         let state = Equilibrium {
             travel: [0.0; 2],
-            shift: DVec3::ZERO,
+            translation: DVec3::ZERO,
             rotation: DQuat::IDENTITY,
             force: all(),
             displacement: all(),

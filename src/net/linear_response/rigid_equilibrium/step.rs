@@ -91,7 +91,7 @@ impl RigidEquilibrium {
         }
         (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel_unknown(p)]);
         let turn = DVec3::from_slice(&rigid[5..8]);
-        now.shift += DVec3::from_slice(&rigid[2..5]);
+        now.translation += DVec3::from_slice(&rigid[2..5]);
         now.rotation = (DQuat::from_scaled_axis(turn) * now.rotation).normalize();
         for (p, contact) in contacts.iter().enumerate() {
             let held = |(function, force): (usize, &DVec3)| {
