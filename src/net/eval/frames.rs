@@ -27,10 +27,10 @@ pub fn reference_and_prediction(
     wanted: &[usize],
 ) -> Result<[Vec<Frame>; 2]> {
     let touch = GeometricContact::find(model, Pose::from_row(&grasp.grasp_pose))?;
-    let seen = predictor.encode_first_contact(model, &predictor.graph(model)?, &touch);
+    let encoded = predictor.encode_first_contact(model, &predictor.graph(model)?, &touch);
     let all = frame_loads(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
-    let states = predictor.states(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
+    let states = predictor.states(&encoded, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
     let predicted = truth
         .iter()

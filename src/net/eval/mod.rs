@@ -72,10 +72,10 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
 
 fn evaluate_grasp(predictor: &Predictor, sample: &Sample) -> Result<GraspEvaluation> {
     let clock = Instant::now();
-    let seen = predictor.encode(sample.features.clone());
+    let encoded = predictor.encode(sample.features.clone());
     let encode = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let states = predictor.states(&seen, &sample.grasp_loads)?;
+    let states = predictor.states(&encoded, &sample.grasp_loads)?;
     let time_s = [encode, clock.elapsed().as_secs_f64()];
     let frames: Vec<FrameError> = states.iter().enumerate().map(|(k, s)| frame_error(sample, k, s)).collect();
     let truth = |k: usize| {

@@ -54,12 +54,13 @@ impl Predictor {
             interrupt::check()?;
             let touch = |pose: &Pose| GeometricContact::find_in(environment, model, *pose);
             let touches: Vec<Result<GeometricContact>> = poses.iter().map(touch).collect();
-            let seen: Vec<EncodedGrasp> = touches
+            let encoded: Vec<EncodedGrasp> = touches
                 .iter()
                 .flatten()
                 .map(|touch| self.encode_first_contact(model, &graph, touch).without_unneeded_stress())
                 .collect();
-            let mut ramps = LoadInterpolation::decode_batch(self, &seen.iter().collect::<Vec<_>>(), &loads).into_iter();
+            let mut ramps =
+                LoadInterpolation::decode_batch(self, &encoded.iter().collect::<Vec<_>>(), &loads).into_iter();
             let grasp = |touch: Result<GeometricContact>| {
                 let (touch, ramp) = (touch?, ramps.next().expect("every contact has a ramp")?);
                 let pulled = loads.iter().enumerate().filter(|(_, load)| carries_load(&touch, load));

@@ -41,8 +41,8 @@ impl ForceInterpolation {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn new(predictor: &Predictor, seen: &EncodedGrasp, low: f64, high: f64) -> Result<Self> {
-        let model = seen.model();
+    pub fn new(predictor: &Predictor, encoded: &EncodedGrasp, low: f64, high: f64) -> Result<Self> {
+        let model = encoded.model();
         let pushes = predictor.supports_pushes() && model.free && model.friction > 0.0;
         let axes = model.fingers.first().map(|finger| finger.placement.rotation);
         let directions: Vec<DVec3> =
@@ -60,7 +60,7 @@ impl ForceInterpolation {
             };
             loads.extend(directions.iter().map(along));
         }
-        let answer = predictor.decode(seen, &loads)?;
+        let answer = predictor.decode(encoded, &loads)?;
         Ok(Self { levels, pushed, directions, push, answer })
     }
 

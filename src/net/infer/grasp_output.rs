@@ -104,9 +104,9 @@ impl GraspOutput {
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
             corrected_travel(features, &state.pads, &self.loads.load[level], depth)
         };
-        let touched: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
-        self.travel = touched.iter().flat_map(|(travel, _)| travel).copied().collect();
-        self.error_indicators = touched.into_iter().map(|(_, signs)| signs).collect();
+        let corrected: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
+        self.travel = corrected.iter().flat_map(|(travel, _)| travel).copied().collect();
+        self.error_indicators = corrected.into_iter().map(|(_, signs)| signs).collect();
     }
 }
 

@@ -57,14 +57,14 @@ impl LoadInterpolation {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn new(predictor: &Predictor, seen: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
-        Self::decode_batch(predictor, &[seen], loads).swap_remove(0)
+    pub fn new(predictor: &Predictor, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
+        Self::decode_batch(predictor, &[encoded], loads).swap_remove(0)
     }
 
     /// Decodes as many of `loads` as each of `grasps` requires, all of one model. The initial loads are decoded for all
     /// grasps together. A grasp fails if its predicted numbers are not finite.
     pub fn decode_batch(predictor: &Predictor, grasps: &[&EncodedGrasp], loads: &[GraspLoad]) -> Vec<Result<Self>> {
-        let Some(model) = grasps.first().map(|seen| seen.model()) else { return Vec::new() };
+        let Some(model) = grasps.first().map(|encoded| encoded.model()) else { return Vec::new() };
         let first = Self::of(model, loads).initial_loads();
         let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(model, loads))).collect();
         for some in first.chunks(FaceEngine::LOADS_PER_BATCH) {
@@ -77,7 +77,7 @@ impl LoadInterpolation {
                 }
             }
         }
-        let goes_on = |(ramp, seen): (Result<Self>, &&EncodedGrasp)| ramp?.refined(predictor, seen, loads);
+        let goes_on = |(ramp, encoded): (Result<Self>, &&EncodedGrasp)| ramp?.refined(predictor, encoded, loads);
         ramps.into_iter().zip(grasps).map(goes_on).collect()
     }
 
@@ -92,7 +92,7 @@ impl LoadInterpolation {
     }
 
     /// Decodes more loads until interpolation is accurate enough for the others.
-    fn refined(mut self, predictor: &Predictor, seen: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
+    fn refined(mut self, predictor: &Predictor, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
         loop {
             self.pieces.iter_mut().for_each(|piece| piece.decoded.sort_unstable());
             let missing: Vec<usize> = self.pieces.iter().flat_map(|piece| self.missing(piece)).collect();
@@ -101,7 +101,7 @@ impl LoadInterpolation {
             }
             for some in missing.chunks(FaceEngine::LOADS_PER_BATCH) {
                 let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
-                self.add(some, predictor.decode(seen, &given)?);
+                self.add(some, predictor.decode(encoded, &given)?);
             }
         }
     }

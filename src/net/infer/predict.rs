@@ -198,19 +198,19 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn at(&self, seen: &EncodedGrasp, load: impl Into<GraspLoad>) -> Result<GraspState> {
-        Ok(self.states(seen, &[load.into()])?.swap_remove(0))
+    pub fn at(&self, encoded: &EncodedGrasp, load: impl Into<GraspLoad>) -> Result<GraspState> {
+        Ok(self.states(encoded, &[load.into()])?.swap_remove(0))
     }
 
     /// Predicts the states of the pads under each of `loads`.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn states(&self, seen: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
+    pub fn states(&self, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
         let mut states = Vec::with_capacity(loads.len());
         let together = if self.engine.is_some() { FaceEngine::LOADS_PER_BATCH } else { TENSOR_BATCH_LEVELS };
         for some in loads.chunks(together) {
-            let answer = self.decode(seen, some)?;
+            let answer = self.decode(encoded, some)?;
             states.par_extend((0..some.len()).into_par_iter().map(|level| answer.at(level)));
         }
         Ok(states)
@@ -224,15 +224,17 @@ impl Predictor {
         };
         let together: Option<Vec<DecodeRequest>> = grasps.iter().map(coded).collect();
         if let (Some(engine), Some(together)) = (&self.engine, together) {
-            return engine.decode(&together, grasps.iter().any(|(seen, _)| seen.stress));
+            return engine.decode(&together, grasps.iter().any(|(encoded, _)| encoded.stress));
         }
-        let alone = |(seen, loads): &(&EncodedGrasp, LoadFeatures)| match &seen.code {
+        let alone = |(encoded, loads): &(&EncodedGrasp, LoadFeatures)| match &encoded.code {
             Encoded::Tensors(code) => {
-                let inputs = self.inputs(&seen.features);
+                let inputs = self.inputs(&encoded.features);
                 self.forward().decode(&self.parameters, &inputs, code, loads).into()
             }
             // A grasp encoded by another predictor is encoded again.
-            Encoded::Engine(_) => self.outputs(&[(&self.encode(seen.features.clone()), loads.clone())]).swap_remove(0),
+            Encoded::Engine(_) => {
+                self.outputs(&[(&self.encode(encoded.features.clone()), loads.clone())]).swap_remove(0)
+            }
         };
         grasps.iter().map(alone).collect()
     }
@@ -241,28 +243,32 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn decode(&self, seen: &EncodedGrasp, given: &[GraspLoad]) -> Result<GraspOutput> {
-        self.decode_batch(&[seen], given).swap_remove(0)
+    pub fn decode(&self, encoded: &EncodedGrasp, given: &[GraspLoad]) -> Result<GraspOutput> {
+        self.decode_batch(&[encoded], given).swap_remove(0)
     }
 
     /// Computes the output of the network for each of `grasps` on pads of one graph, under each of `given`, all decoded
     /// together. A grasp fails if its numbers are not finite.
     pub fn decode_batch(&self, grasps: &[&EncodedGrasp], given: &[GraspLoad]) -> Vec<Result<GraspOutput>> {
         let grasps: Vec<(&EncodedGrasp, LoadFeatures)> =
-            grasps.iter().map(|seen| (*seen, seen.features.loads(given))).collect();
+            grasps.iter().map(|encoded| (*encoded, encoded.features.loads(given))).collect();
         let outputs = self.outputs(&grasps);
-        grasps.into_iter().zip(outputs).map(|((seen, loads), out)| self.checked(seen, given, loads, out)).collect()
+        grasps
+            .into_iter()
+            .zip(outputs)
+            .map(|((encoded, loads), out)| self.checked(encoded, given, loads, out))
+            .collect()
     }
 
     /// Returns the answer with the travel consistent with its displacement field, and its error indicators.
     fn checked(
         &self,
-        seen: &EncodedGrasp,
+        encoded: &EncodedGrasp,
         given: &[GraspLoad],
         loads: LoadFeatures,
         out: OutputArrays,
     ) -> Result<GraspOutput> {
-        let (features, norms) = (&seen.features, self.card.normalisers.clone());
+        let (features, norms) = (&encoded.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());
         let mut answer = GraspOutput {
@@ -271,7 +277,7 @@ impl Predictor {
             norms,
             graph,
             pads,
-            stress: seen.stress,
+            stress: encoded.stress,
             young,
             unit_force,
             travel: Vec::new(),
@@ -280,7 +286,7 @@ impl Predictor {
             interval_valid: Vec::new(),
         };
         // A prediction interval is valid only within the range of the training.
-        let known = |load: &GraspLoad| seen.in_trained_range && self.card.range.contains_force(load.force);
+        let known = |load: &GraspLoad| encoded.in_trained_range && self.card.range.contains_force(load.force);
         answer.interval_valid = answer.loads.load.iter().map(known).collect();
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {
             None => {

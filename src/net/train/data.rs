@@ -109,10 +109,10 @@ pub fn split_validation(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Samp
         order.sort_by_key(|i| place[samples[*i].object.as_str()]);
     }
     let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
-    let taken: HashSet<usize> = order.into_iter().take(count).collect();
+    let held_out: HashSet<usize> = order.into_iter().take(count).collect();
     let (mut kept, mut out) = (Vec::new(), Vec::new());
     for (i, sample) in samples.into_iter().enumerate() {
-        if taken.contains(&i) { out.push(sample) } else { kept.push(sample) }
+        if held_out.contains(&i) { out.push(sample) } else { kept.push(sample) }
     }
     (kept, out)
 }

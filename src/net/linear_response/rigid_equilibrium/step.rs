@@ -121,10 +121,10 @@ impl RigidEquilibrium {
 
     /// Returns the motion of a point of `pad` relative to the object, along a direction of the pad, per unit of each
     /// rigid motion.
-    fn rigid_jacobian_row(&self, pad: usize, before: &Equilibrium, seen: &QueriedPoint, direction: DVec3) -> Rigid {
+    fn rigid_jacobian_row(&self, pad: usize, before: &Equilibrium, query: &QueriedPoint, direction: DVec3) -> Rigid {
         let finger = &self.fingers[pad];
         let direction = finger.rotation * direction;
-        let turned = (before.rotation * seen.point).cross(direction);
+        let turned = (before.rotation * query.point).cross(direction);
         let mut row = [0.0; RIGID];
         row[self.travel_unknown(pad)] = direction.dot(finger.closing);
         for k in 0..3 {
@@ -141,8 +141,8 @@ impl RigidEquilibrium {
         let mut factor = Mat::<f64>::zeros(n, n);
         let mut columns = Mat::<f64>::zeros(n, RIGID + 1);
         for (b, from) in basis.iter().enumerate() {
-            let seen = &before.queries[pad][*from];
-            let asked = before.displacement[pad][*from] - seen.normal * seen.gap;
+            let query = &before.queries[pad][*from];
+            let asked = before.displacement[pad][*from] - query.normal * query.gap;
             for k in 0..3 {
                 // The compliance is symmetric: its rows are its columns.
                 let row = self.graph.basis.row(*from, k);
@@ -151,10 +151,10 @@ impl RigidEquilibrium {
                     (0..3).for_each(|c| column[3 * a + c] = row[3 * to + c]);
                 }
                 for c in 0..3 {
-                    let along = f64::from(u8::from(k == c)) - seen.normal[k] * seen.normal[c];
+                    let along = f64::from(u8::from(k == c)) - query.normal[k] * query.normal[c];
                     column[3 * b + c] += contact.slip_compliance[*from] * along;
                 }
-                let moves = self.rigid_jacobian_row(pad, before, seen, DVec3::AXES[k]);
+                let moves = self.rigid_jacobian_row(pad, before, query, DVec3::AXES[k]);
                 (0..RIGID).for_each(|m| columns[(3 * b + k, m)] = moves[m]);
                 columns[(3 * b + k, RIGID)] = asked[k];
             }
@@ -247,10 +247,10 @@ impl RigidEquilibrium {
         }
         let moved = self.graph.basis.displacements(&contact.force);
         let mut same = true;
-        for (function, seen) in before.queries[pad].iter().enumerate() {
-            let QueriedPoint { gap, normal, .. } = *seen;
+        for (function, query) in before.queries[pad].iter().enumerate() {
+            let QueriedPoint { gap, normal, .. } = *query;
             if !contact.active[function] {
-                let moves = self.rigid_jacobian_row(pad, before, seen, normal);
+                let moves = self.rigid_jacobian_row(pad, before, query, normal);
                 let by: f64 = moves.iter().zip(rigid).map(|(m, q)| m * q).sum();
                 let inside = gap + by + normal.dot(moved[function] - before.displacement[pad][function]) < -1e-9;
                 (contact.active[function], same) = (inside, same && !inside);
