@@ -20,7 +20,8 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Returns its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Returns true if it computes whether friction holds the object; if not, the environment (`env::slip`) decides that.
+    /// Returns true if it computes whether friction holds the object; if not, the environment (`env::slip`) decides
+    /// that.
     fn solves_friction(&self) -> bool {
         true
     }

@@ -134,8 +134,8 @@ struct Points {
     edges: BTreeSet<(u32, u32)>,
 }
 
-/// Returns the object's surface near the nodes `face` of the pads; `to_graph_frame` transforms points from the hand frame to that
-/// of the graph.
+/// Returns the object's surface near the nodes `face` of the pads; `to_graph_frame` transforms points from the hand
+/// frame to that of the graph.
 fn object(model: &Model, touch: &GeometricContact, to_graph_frame: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
     let surface = &model.object.surface;
     let pose = &touch.object;

@@ -30,8 +30,8 @@ pub struct PredictedGrasp {
 }
 
 impl Predictor {
-    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see [`Predictor::answerable_loads`]. A
-    /// grasp that cannot start, or whose numbers are not finite, has its own error.
+    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see
+    /// [`Predictor::answerable_loads`]. A grasp that cannot start, or whose numbers are not finite, has its own error.
     ///
     /// # Errors
     /// Fails if the scene, or each of its forces, is outside the trained range and may not be extrapolated, and if it

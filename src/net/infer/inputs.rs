@@ -94,8 +94,8 @@ fn interpolation_channels(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
 /// n, 3): fraction of the force in the projected contact, and tangential over normal force; `depth_m`, `pressing_n` (L,
 /// P). For a free object between two pads also its equilibrium: `wrench` (L, 6, 3 P n): force and moment of a unit of
 /// each component of contact; `pull` (L, 6, 3 P n): contributions of a unit of each correction (pulls and twists of the
-/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `load_about_midpoint`
-/// (L, 6): force and moment that the pads must carry.
+/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections;
+/// `hangs` (L, 6): force and moment that the pads must carry.
 pub fn grasp_inputs(features: &GraspFeatures, loads: &LoadFeatures, normalisers: &Normalisers) -> Vec<Array<f32>> {
     let (p, n, l) = (features.pads, features.graph.face.len(), loads.load.len());
     let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]).collect();

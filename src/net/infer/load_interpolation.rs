@@ -194,7 +194,8 @@ fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece>
     all.filter(|range| !range.is_empty()).map(piece).collect()
 }
 
-/// Returns at most [`INITIAL_LOADS`] indices of a range, evenly spaced along its coordinate, including the first and the last.
+/// Returns at most [`INITIAL_LOADS`] indices of a range, evenly spaced along its coordinate, including the first and
+/// the last.
 fn evenly(range: &Range<usize>, along: &[f64]) -> Vec<usize> {
     let last = along.len() - 1;
     if last < INITIAL_LOADS {

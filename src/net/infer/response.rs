@@ -55,8 +55,8 @@ pub fn linear_response<'a>(
     LinearResponse { graph, pad, items, stress, at_nodes }
 }
 
-/// Counts multiplications and additions of [`linear_response`] and [`LinearResponse::correct`] for a pad under one load, and the bytes
-/// of the response, which is read once per group of loads.
+/// Counts multiplications and additions of [`linear_response`] and [`LinearResponse::correct`] for a pad under one
+/// load, and the bytes of the response, which is read once per group of loads.
 pub(crate) fn cost(graph: &PadGraph, stress: bool) -> (f64, f64) {
     let pad = &graph.compliance;
     let of_stress = |node: usize| if stress { 22.0 * pad.deviator.of(node).0.len() as f64 } else { 0.0 };

@@ -337,8 +337,8 @@ impl NullaryFnOnce for Sums<'_> {
 }
 
 impl Node {
-    /// Computes the force along the face after sliding by `sliding`, under Coulomb's limit; the factor by which the limit
-    /// reduces it; and the inverse square of the limit where it is reached, zero elsewhere.
+    /// Computes the force along the face after sliding by `sliding`, under Coulomb's limit; the factor by which the
+    /// limit reduces it; and the inverse square of the limit where it is reached, zero elsewhere.
     #[inline(always)]
     fn sliding_force(&self, load: usize, gain: f64, friction: f64, sliding: [f64; 2]) -> ([f64; 3], f64, f64) {
         let n = self.normal;

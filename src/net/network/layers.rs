@@ -13,8 +13,8 @@ pub struct LinearLayer {
 }
 
 impl LinearLayer {
-    /// Creates the layer `name.weight` (rows, cols) and `name.bias`, with a gain for [`ParameterBuilder::weight`] and an
-    /// initial bias.
+    /// Creates the layer `name.weight` (rows, cols) and `name.bias`, with a gain for [`ParameterBuilder::weight`] and
+    /// an initial bias.
     pub fn new<E: Real>(
         maker: &mut ParameterBuilder<E>,
         name: &str,

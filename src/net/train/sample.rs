@@ -148,8 +148,8 @@ impl Sample {
         }
     }
 
-    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form ([`bounded_relative_error`]), averaged
-    /// over the levels, weighted and added.
+    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form
+    /// ([`bounded_relative_error`]), averaged over the levels, weighted and added.
     ///
     /// Travel and motion are in the units of [`Normalisers`].
     pub fn loss<E: Real, T: Tape<E>>(

@@ -1,4 +1,5 @@
-//! Operations that dfdx lacks or runs several times slower, one per file, each with its forward and its backward kernel.
+//! Operations that dfdx lacks or runs several times slower, one per file, each with its forward and its backward
+//! kernel.
 
 mod activation;
 mod balance;
