@@ -7,11 +7,11 @@ use dfdx::prelude::{
 use std::hint::black_box;
 use std::time::Instant;
 use tactus::base::random::Random;
-use tactus::net::autodiff::ops::{Activation, apply, layer_norm, linear, von_mises};
+use tactus::net::autodiff::ops::{Activation, layer_norm, linear, sparse_product, von_mises};
 use tactus::net::autodiff::tensor::{Matrix, SharedTape, gradients, matrix, values};
 use tactus::net::matrix::Sparse;
-use tactus::net::network::layers::share;
-use tactus::net::train::loss::root_error;
+use tactus::net::network::layers::force_fractions;
+use tactus::net::train::loss::bounded_relative_error;
 
 const NODES: usize = 1500;
 const EDGES: usize = 12_000;
@@ -96,7 +96,7 @@ fn main() {
         "nodes gathered at edges",
         &[random(NODES, WIDTH, 1)],
         &|x| x[0].clone().gather(index.clone()),
-        Some(&|x| apply(&gather, x[0].clone())),
+        Some(&|x| sparse_product(&gather, x[0].clone())),
     );
     let field = [random(12 * NODES, 3, 1), random(12 * NODES, 3, 2)];
     line("product of fields", &field, &|x| x[0].clone() * x[1].clone(), None);
@@ -105,12 +105,12 @@ fn main() {
         &field[..1],
         &|x| {
             let rows = x[0].shape().0;
-            let loss = root_error(x[0].clone(), vec![0.0; 3 * rows], vec![1.0; rows], 12);
+            let loss = bounded_relative_error(x[0].clone(), vec![0.0; 3 * rows], vec![1.0; rows], 12);
             loss.reshape_like(&(1, 1))
         },
         None,
     );
-    line("shares of a force", &[random(NODES, 3, 1)], &|x| share(x[0].clone(), NODES / 10), None);
+    line("shares of a force", &[random(NODES, 3, 1)], &|x| force_fractions(x[0].clone(), NODES / 10), None);
     let form = |i: usize| {
         if i / 5 == i % 5 {
             3.0

@@ -16,11 +16,11 @@ use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use tactus::net::infer::predict::Predictor;
-use tactus::net::infer::{Decoding, FaceEngine};
+use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::edges::Edges;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
-use tactus::net::linear_response::{GraspLoad, loads_of};
+use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::{Face, NetworkSpec};
 use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
@@ -50,7 +50,7 @@ impl Case {
         let sizes = Face::default();
         let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: sizes.depths.get() })?;
         let features = GraspFeatures::new(&model, &Arc::new(graph), &GeometricContact::find(&model, pose)?);
-        Ok(Self::of(features, sizes, &loads_of(&model)))
+        Ok(Self::of(features, sizes, &frame_loads(&model)))
     }
 
     fn of(features: GraspFeatures, sizes: Face, forces: &[GraspLoad]) -> Self {
@@ -78,7 +78,7 @@ impl Case {
             }
         };
         let engine = FaceEngine::new(&sizes, &parameters, &norms);
-        let pieces = forces.chunks(FaceEngine::LOADS).map(|some| features.loads(some)).collect();
+        let pieces = forces.chunks(FaceEngine::LOADS_PER_BATCH).map(|some| features.loads(some)).collect();
         Self { features, loads, pieces, norms, network, parameters, engine }
     }
 
@@ -91,7 +91,9 @@ impl Case {
         let code = self.engine.encode(&self.features);
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
         let decode = |loads| {
-            drop(black_box(self.engine.decode(&[Decoding { features: &self.features, code: &code, loads }], true)));
+            drop(black_box(
+                self.engine.decode(&[DecodeRequest { features: &self.features, code: &code, loads }], true),
+            ));
         };
         [encode, best(|| self.pieces.iter().for_each(decode))]
     }

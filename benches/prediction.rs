@@ -12,11 +12,11 @@ use tactus::base::error::{Error, Result};
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
 use tactus::net::features::GraspFeatures;
+use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::Predictor;
-use tactus::net::infer::ramp::Ramp;
-use tactus::net::infer::{Decoding, FaceEngine};
+use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::{GraspLoad, loads_of};
+use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
 
@@ -57,17 +57,17 @@ fn stages() -> Result<Vec<Stage>> {
         return Err(Error::Start("the model is no face network".into()));
     };
     let engine = FaceEngine::new(sizes, &predictor.parameters, &predictor.card.normalisers);
-    let graph = predictor.admit(&model, true)?;
+    let graph = predictor.graph_if_in_range(&model, true)?;
     let touch = GeometricContact::find(&model, pose)?;
     let features = GraspFeatures::new(&model, &graph, &touch);
-    let seen = predictor.look(&model, &graph, &touch);
-    let all = loads_of(&model);
-    let ramp = Ramp::new(&predictor, &seen, &all)?;
+    let seen = predictor.encode_first_contact(&model, &graph, &touch);
+    let all = frame_loads(&model);
+    let ramp = LoadInterpolation::new(&predictor, &seen, &all)?;
     // The choice of loads does not affect times.
     let few: Vec<GraspLoad> = (0..ramp.decoded()).map(|k| all[k * all.len() / ramp.decoded()]).collect();
     let loads = features.loads(&few);
     let code = engine.encode(&features);
-    let decoding = Decoding { features: &features, code: &code, loads: &loads };
+    let decoding = DecodeRequest { features: &features, code: &code, loads: &loads };
 
     let mut kept = None;
     let find = best(|| drop(black_box(GeometricContact::find_in(&mut kept, &model, pose))));
@@ -78,7 +78,7 @@ fn stages() -> Result<Vec<Stage>> {
     for _ in 0..4 {
         balance = balance.min(best(|| drop(black_box(features.loads(&few)))));
         decode = decode.min(best(|| drop(black_box(engine.decode(&[decoding], true)))));
-        answer = answer.min(best(|| drop(black_box(predictor.answer(&seen, &few)))));
+        answer = answer.min(best(|| drop(black_box(predictor.decode(&seen, &few)))));
     }
     let states = best(|| (0..all.len()).for_each(|load| drop(black_box(ramp.at(load)))));
 

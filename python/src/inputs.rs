@@ -10,8 +10,8 @@ use std::sync::Arc;
 use tactus::base::error::Error;
 use tactus::geometry::Pose;
 use tactus::model::grasp::poses_of;
+use tactus::net::infer::input_derivatives::{DerivativeDirection, GraspParameters, SceneInputs, weights};
 use tactus::net::infer::inputs::Array;
-use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs, weights};
 use tactus::scene::{Overrides, load_object};
 
 /// Returns the weights of a face network, given by folder or name, as the bytes of a safetensors file.
@@ -55,7 +55,7 @@ impl FaceInputs {
 
     /// Returns the grasp poses of the scene (G, 7), the force at each load level (F), N, and friction.
     fn usual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let ((force, friction), out) = (self.inputs.usual(), PyDict::new(py));
+        let ((force, friction), out) = (self.inputs.scene_forces_and_friction(), PyDict::new(py));
         put(&out, "poses", self.poses.as_flattened(), &[self.poses.len(), 7])?;
         put(&out, "force", &force, &[force.len()])?;
         out.set_item("friction", friction)?;
@@ -84,12 +84,14 @@ impl FaceInputs {
         friction: PyReadonlyArray1<'py, f64>,
         changes: Vec<usize>,
     ) -> PyResult<Looked<'py>> {
-        let changes = changes.into_iter().map(|k| GripChange::ALL.get(k).copied());
-        let changes: Vec<GripChange> = changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
+        let changes = changes.into_iter().map(|k| DerivativeDirection::ALL.get(k).copied());
+        let changes: Vec<DerivativeDirection> =
+            changes.collect::<Option<_>>().ok_or_else(|| refused("changes: 0 to 7"))?;
         let (poses, force, friction) = (hands(&poses)?, force.as_array(), friction.as_array());
         let grips = poses.into_iter().zip(force.rows()).zip(friction);
-        let grips: Vec<Grip> =
-            grips.map(|((pose, force), friction)| Grip { pose, force: force.to_vec(), friction: *friction }).collect();
+        let grips: Vec<GraspParameters> = grips
+            .map(|((pose, force), friction)| GraspParameters { pose, force: force.to_vec(), friction: *friction })
+            .collect();
         let inputs = self.inputs.clone();
         let answers = supervise(py, Some(self.threads), move || inputs.grasps(&grips, &changes))?;
         let (mut known, mut own, failed) = (Vec::new(), Vec::new(), PyDict::new(py));

@@ -14,7 +14,7 @@ mod supervise;
 
 use mimalloc::MiMalloc;
 use pyo3::prelude::*;
-use tactus::net::SHIPPED;
+use tactus::net::DEFAULT_MODEL;
 
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
@@ -31,5 +31,5 @@ fn _tactus(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run::run, module)?)?;
     module.add_function(wrap_pyfunction!(scene::objects, module)?)?;
     module.add_function(wrap_pyfunction!(scene::resolved, module)?)?;
-    module.add("SHIPPED", (SHIPPED,))
+    module.add("SHIPPED", (DEFAULT_MODEL,))
 }

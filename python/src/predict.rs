@@ -10,7 +10,7 @@ use tactus::base::error::Error;
 use tactus::base::machine::machine_threads;
 use tactus::model::Model;
 use tactus::model::grasp::poses_of;
-use tactus::net::SHIPPED;
+use tactus::net::DEFAULT_MODEL;
 use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
 use tactus::scene::{Overrides, load_object};
@@ -40,7 +40,7 @@ pub fn predict<'py>(
         overrides.apply(&mut loaded.scene)?;
         let predict = || {
             let scene = &loaded.scene;
-            let model = model.as_deref().or(scene.stepper.model()).unwrap_or(SHIPPED.as_ref());
+            let model = model.as_deref().or(scene.stepper.model()).unwrap_or(DEFAULT_MODEL.as_ref());
             let predictor = Predictor::open(model)?;
             let model = Model::build(&scene.on_own_mesh())?;
             let poses = match given {
@@ -48,8 +48,9 @@ pub fn predict<'py>(
                 None => poses_of(scene)?,
             };
             let extrapolate = extrapolate || scene.stepper.extrapolates();
-            let answers = predictor.many(&model, &poses, extrapolate)?;
-            let loads: Vec<_> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
+            let answers = predictor.predict_batch(&model, &poses, extrapolate)?;
+            let loads: Vec<_> =
+                predictor.answerable_loads(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
             let mut arrays = Vec::new();
             each_array(&model, &loads, &answers, |name, shape, numbers| {
                 arrays.push((name.to_string(), shape.to_vec(), numbers));

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use model::Model;
 use scene::{Condensed, Fem, Solver};
 use world::Stepper;
-use world::schedule::{FallbackReason, Shared};
+use world::schedule::{FallbackReason, SharedModel};
 
 /// Network that falls back to condensed finite elements where its predicted error is too large or unknown.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ impl GuardedNetwork {
 
     /// Returns the reason why the network must not compute this grasp; None if it may.
     fn doubt(&self, world: &mut World) -> Result<Option<String>> {
-        let model = world.get_resource::<Shared>().map(|shared| shared.0.clone());
+        let model = world.get_resource::<SharedModel>().map(|shared| shared.0.clone());
         if let Some(reason) = model.as_ref().and_then(|model| self.network.refuses(model)) {
             return Ok(Some(format!("the network was not trained for all loads: {reason}")));
         }
@@ -71,11 +71,11 @@ impl Stepper for GuardedNetwork {
         self.network.solves_friction()
     }
 
-    fn knows_error(&self) -> bool {
-        self.network.knows_error()
+    fn has_error_bound(&self) -> bool {
+        self.network.has_error_bound()
     }
 
-    fn chooses_systems(&self) -> bool {
+    fn systems_depend_on_grasp(&self) -> bool {
         true
     }
 

@@ -7,11 +7,11 @@ use bevy_ecs::prelude::*;
 use geometry::Wrench;
 use glam::DVec3;
 use model::{Model, Needs};
-use net::infer::force_ladder::ForceInterpolation;
-use net::infer::hold::{hold, slip};
-use net::infer::predict::{GraspState, PadState, Predictor, Seen};
-use net::infer::ramp::Ramp;
-use net::infer::touch::object_at;
+use net::infer::contact_correction::object_pose;
+use net::infer::force_interpolation::ForceInterpolation;
+use net::infer::friction_margin::{friction_margin, slip_reason};
+use net::infer::load_interpolation::LoadInterpolation;
+use net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use net::linear_response::GraspLoad;
 use net::linear_response::first_contact::GeometricContact;
 use net::linear_response::pad_graph::PadGraph;
@@ -23,8 +23,8 @@ use std::time::Instant;
 use world::Stepper;
 use world::components::*;
 use world::schedule::{
-    BalanceReport, CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping,
-    reached,
+    BalanceReport, ForceCommand, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport, StepSet, Timings,
+    computes_frame, reached,
 };
 use world::systems::sense::close_to_contact;
 
@@ -68,8 +68,8 @@ impl NetworkStepper {
     /// is not finite.
     pub fn foresee(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
-        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
-        let pose = world.get_resource::<CurrentGrasp>().ok_or_else(missing)?.0;
+        let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
+        let pose = world.get_resource::<GraspPose>().ok_or_else(missing)?.0;
         let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         prediction.look(&model, contact);
@@ -95,7 +95,7 @@ impl Stepper for NetworkStepper {
         false
     }
 
-    fn knows_error(&self) -> bool {
+    fn has_error_bound(&self) -> bool {
         self.predictor.card.interval().is_some()
     }
 
@@ -103,18 +103,19 @@ impl Stepper for NetworkStepper {
         self.predictor.notices(model, self.extrapolate)
     }
 
-    fn admit(&self, model: &Model) -> Result<()> {
-        self.predictor.admit(model, self.extrapolate).map(drop)
+    fn check_support(&self, model: &Model) -> Result<()> {
+        self.predictor.graph_if_in_range(model, self.extrapolate).map(drop)
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not created for a grasp".into());
-        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
+        let shared = world.get_resource::<SharedModel>().ok_or_else(missing)?.clone();
         let model = &shared.0;
         // An agent may command any force.
-        let admit = if model.needs.task { Predictor::admit } else { Predictor::admit_some };
+        let admit =
+            if model.needs.task { Predictor::graph_if_in_range } else { Predictor::graph_if_some_force_in_range };
         let graph = admit(&self.predictor, model, self.extrapolate)?;
-        let (frames, loads) = self.predictor.answered(model, self.extrapolate).into_iter().unzip();
+        let (frames, loads) = self.predictor.answerable_loads(model, self.extrapolate).into_iter().unzip();
         world.insert_resource(Prediction {
             predictor: self.predictor.clone(),
             graph,
@@ -141,7 +142,7 @@ impl Stepper for NetworkStepper {
 
     fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let missing = || Error::Start("the world was not prepared for the network".into());
-        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
+        let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         if let Some(contact) = history.read::<Option<GeometricContact>>()? {
             prediction.look(&model, contact);
@@ -163,11 +164,11 @@ pub struct Prediction {
     frames: Vec<usize>,
     loads: Vec<GraspLoad>,
     /// First contact, and its encoding by the network.
-    grasp: Option<(GeometricContact, Seen)>,
+    grasp: Option<(GeometricContact, EncodedGrasp)>,
     /// State at the load of this step.
     state: Option<GraspState>,
     /// States of the predictable frames, if their loads are known in advance.
-    ahead: Option<Ramp>,
+    ahead: Option<LoadInterpolation>,
     /// States at any load, for an agent; None if one of the sampled loads cannot be predicted.
     ladder: OnceLock<Option<ForceInterpolation>>,
 }
@@ -178,7 +179,7 @@ impl Prediction {
         if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
             return;
         }
-        let seen = self.predictor.look(model, &self.graph, &contact).as_needed();
+        let seen = self.predictor.encode_first_contact(model, &self.graph, &contact).without_unneeded_stress();
         self.grasp = Some((contact, seen));
         (self.ahead, self.ladder) = (None, OnceLock::new());
     }
@@ -186,7 +187,7 @@ impl Prediction {
     /// Decodes the frames of an encoded grasp. Returns the largest of their errors; None if no grasp is encoded.
     fn foresee(&mut self) -> Result<Option<ErrorBound>> {
         let Some((_, seen)) = &self.grasp else { return Ok(None) };
-        let ramp = Ramp::new(&self.predictor, seen, &self.loads)?;
+        let ramp = LoadInterpolation::new(&self.predictor, seen, &self.loads)?;
         Ok(Some(self.ahead.insert(ramp).error()))
     }
 
@@ -202,10 +203,11 @@ impl Prediction {
 
 /// Adds the systems to their sets, except those for quantities that the scene does not need.
 fn register(schedule: &mut Schedule, needs: &Needs) {
-    schedule.add_systems(look.run_if(ramping).after(close_to_contact).in_set(StepSet::Sense));
-    schedule.add_systems((predict, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+    schedule.add_systems(look.run_if(computes_frame).after(close_to_contact).in_set(StepSet::Sense));
+    schedule.add_systems((predict, write_state).chain().run_if(computes_frame).in_set(StepSet::Advance));
     if needs.task {
-        schedule.add_systems(carry_load.run_if(ramping).after(predict).before(write_state).in_set(StepSet::Advance));
+        schedule
+            .add_systems(carry_load.run_if(computes_frame).after(predict).before(write_state).in_set(StepSet::Advance));
     }
     if needs.shape {
         schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
@@ -221,7 +223,7 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
 /// Encodes the grasp once, at first contact, while travel and pose are still those of `close_to_contact`.
 fn look(
     phase: Res<Phase>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut prediction: ResMut<Prediction>,
     mut timings: ResMut<Timings>,
     fingers: Query<(&FingerIndex, &FingerTravel)>,
@@ -241,14 +243,14 @@ fn look(
 #[allow(clippy::too_many_arguments)]
 fn predict(
     phase: Res<Phase>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     command: Option<Res<ForceCommand>>,
     mut prediction: ResMut<Prediction>,
     load: Res<StepLoad>,
     weight: Option<Single<&ObjectWeight>>,
     mut report: ResMut<StepReport>,
     mut balance: ResMut<BalanceReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
     mut timings: ResMut<Timings>,
 ) {
     let clock = Instant::now();
@@ -278,7 +280,7 @@ fn predict(
             known.map_or_else(|| predictor.at(seen, applied), Ok)
         }
         Some((_, seen)) => {
-            let push = weight.map(|weight| weight.0).filter(|_| predictor.knows_pushes()).unwrap_or_default();
+            let push = weight.map(|weight| weight.0).filter(|_| predictor.supports_pushes()).unwrap_or_default();
             let known = ladder
                 .get_or_init(|| {
                     ForceInterpolation::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok()
@@ -294,7 +296,7 @@ fn predict(
         Ok(state) => {
             // No slip check for an agent: its reward measures what it holds.
             let scene = grasp.as_ref().filter(|_| command.is_none());
-            let slips = scene.and_then(|(touch, _)| slip(hold(&shared.0, touch, &state, &applied)));
+            let slips = scene.and_then(|(touch, _)| slip_reason(friction_margin(&shared.0, touch, &state, &applied)));
             if let Some(reason) = slips {
                 next.request(Phase::Dropped { reason });
             } else {
@@ -311,8 +313,8 @@ fn predict(
 
 /// Distributes a load on the object evenly over the pads, and over the nodes of a pad in proportion to the pressure,
 /// for a network trained without pushes.
-fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: Single<&ObjectWeight>) {
-    if prediction.predictor.knows_pushes() {
+fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<SharedModel>, weight: Single<&ObjectWeight>) {
+    if prediction.predictor.supports_pushes() {
         return;
     }
     let model = &shared.0;
@@ -328,7 +330,7 @@ fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<Shared>, weight: S
 /// Copies the prediction to the columns: positions, travel, pose, wrench.
 fn write_state(
     prediction: Res<Prediction>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     report: Res<StepReport>,
     mut nodes: Query<(&FingerIndex, &RestPosition, &mut Position)>,
     mut fingers: Query<(&FingerIndex, &FirstContact, &mut FingerTravel, &mut FingerWrench)>,
@@ -353,7 +355,7 @@ fn write_state(
         wrench.0 = Wrench { force, torque }.rotated(axes(finger.0 as usize));
     }
     if model.free {
-        pose.0 = object_at(model, touch, pads);
+        pose.0 = object_pose(model, touch, pads);
     }
 }
 
@@ -364,7 +366,7 @@ const NEAR: f64 = 1e-9;
 /// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
     prediction: Res<Prediction>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut report: ResMut<StepReport>,
     nodes: Query<(&FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
@@ -395,7 +397,7 @@ fn measure_shape(
 /// Writes von Mises stress on nodes; that of a tetrahedron is the mean of its nodes.
 fn write_stress(
     prediction: Res<Prediction>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut nodes: Query<(&FingerIndex, &mut NodalStress)>,
     mut tets: Query<(&FingerIndex, &mut TetStress)>,
 ) {
@@ -421,7 +423,7 @@ fn write_stress(
 /// Writes contact forces on nodes, in the hand frame.
 fn write_contact(
     prediction: Res<Prediction>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut nodes: Query<(&FingerIndex, &mut ContactForce)>,
 ) {
     for (finger, mut column) in nodes.contiguous_iter_mut().expect(TABLES) {

@@ -16,9 +16,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use world::Stepper;
-use world::run::sensitivity::{Ends, LastFrames, sensitivity};
+use world::run::sensitivity::{FinalStates, LastFrames, sensitivity};
 use world::run::writer::RunWriter;
-use world::run::{Observer, Options, Outcome, RunRecorder, run_grasps};
+use world::run::{Observer, Outcome, RecordingOptions, RunRecorder, run_grasps};
 
 /// Scene that is ready to run.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ impl Simulation {
         // Reading a network takes as long as meshing the pads.
         let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
         let (stepper, model) = (stepper?, model?);
-        stepper.admit(&model)?;
+        stepper.check_support(&model)?;
         let poses = poses_of(scene)?;
         let pad = model.pad_bounds();
         let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
@@ -88,18 +88,18 @@ impl Simulation {
     pub fn record(&self, dir: &Path, overwrite: bool) -> Result<RunWriter> {
         let (scene, model) = (&self.scene, &self.model);
         let picture = if model.needs.stress { Scalar::Stress } else { Scalar::Displacement };
-        let options = Options {
+        let options = RecordingOptions {
             vtu: scene.record.vtu,
             arrays: scene.record.arrays.is_some(),
             moving: model.needs.dynamic,
-            predicted: self.stepper.knows_error(),
+            predicted: self.stepper.has_error_bound(),
             // A picture shows the pads.
             picture: (scene.record.pictures && !model.fingers.is_empty()).then_some(picture),
             overwrite,
             object_name: model.object.name.clone(),
             pads: model.fingers.iter().map(|f| f.placement.pose()).collect(),
             order: self.grasps.iter().map(|(number, _)| *number).collect(),
-            ..Options::default()
+            ..RecordingOptions::default()
         };
         Ok(RunWriter::new(model, RunRecorder::create(dir, options, self.report()?)?))
     }
@@ -123,7 +123,7 @@ impl Simulation {
         let wall_s = clock.elapsed().as_secs_f64();
         let mut recorder = writer.map(RunWriter::finish);
         if sense {
-            let ends = Ends::of(&outcomes, last_frames);
+            let ends = FinalStates::of(&outcomes, last_frames);
             let answers = sensitivity(&self.scene, &self.model, stepper, (&self.grasps, &ends), self.threads)?;
             outcomes.iter_mut().zip(&answers).for_each(|(o, moved)| o.summary.sensitivity = moved.clone());
             recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));

@@ -6,15 +6,15 @@
 //! The true error is unknown, but two distances bracket it. The change by the last refinement includes the larger error
 //! of the coarser mesh and overestimates it. A mesh of another kind shares part of the error with the reference, so its
 //! distance underestimates it. Their geometric mean is the estimate (docs/verification.md compares it with meshes twice
-//! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order, the
-//! two distances or the path error are inconsistent.
+//! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order,
+//! the two distances or the path error are inconsistent.
 
 use super::density::{coarser, other_kind};
 use super::quantity::{QUANTITIES, QuantityName};
 use super::sweep::{Configuration, Sweep};
 use base::error::Result;
 use base::stats::median;
-use net::eval::table::FROM_LOAD;
+use net::eval::table::MIN_LOAD_FRACTION;
 use record::error_norm::{Distance, Fields, Points};
 use scene::leaf::Positive;
 use scene::{Condensed, Fem, Solver};
@@ -99,11 +99,11 @@ impl Tally {
 }
 
 /// Returns the distance of each frame of `own` from the same frame of `truth`, for the frames whose load in `levels` (N
-/// or m) is at least the fraction [`FROM_LOAD`] of the last one. `points` are the common points at which fields are
-/// compared.
+/// or m) is at least the fraction [`MIN_LOAD_FRACTION`] of the last one. `points` are the common points at which fields
+/// are compared.
 pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<Distance> {
     // Deformation is almost zero at small loads, where relative errors are not meaningful.
-    let least = (FROM_LOAD - 1e-9) * levels.last().copied().unwrap_or(1.0);
+    let least = (MIN_LOAD_FRACTION - 1e-9) * levels.last().copied().unwrap_or(1.0);
     let frames = own.iter().zip(truth).zip(levels).filter(|(_, level)| **level >= least);
     frames.map(|((own, truth), _)| Distance::of(points, own, truth)).collect()
 }

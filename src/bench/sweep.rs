@@ -4,7 +4,7 @@ use super::density::{coarser, describe, nodes};
 use base::error::{Error, Result};
 use model::{Model, accuracy};
 use net::linear_response::pad_graph::mesh_hash;
-use net::network::card::Trained;
+use net::network::card::StoredModel;
 use scene::leaf::Positive;
 use scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -121,7 +121,7 @@ impl Sweep {
     /// Returns the configuration of a network on the pads of the sweep for which it was trained. If there are none, it
     /// uses the scene's pads, on which running the network reports the reason.
     fn network(&self, folder: &Path) -> Result<Configuration> {
-        let trained = Trained::read(folder)?.card.range.pad;
+        let trained = StoredModel::read(folder)?.card.range.pad;
         let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn::new(folder)), ..self.scene.clone() };
         for factor in self.cells(&SETTINGS[0]) {
             let mut other = scene.clone();

@@ -23,7 +23,7 @@ use scene::{self, Grasps, NamedScene, Scene, load_set, to_ron};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use world::environment::Environment;
-use world::run::effort::ExpectedTime;
+use world::run::expected_time::ExpectedTime;
 
 /// Arguments of `tactus check`.
 #[derive(Debug, clap::Args)]

@@ -11,7 +11,7 @@ use dataset::DataSet;
 use net::eval::acceptance::{Acceptance, acceptances};
 use net::eval::dump;
 use net::eval::table::{ALL, ErrorRow, ranks, rows};
-use net::eval::{Judged, frames, judge, picture, test_grasps};
+use net::eval::{GraspEvaluation, evaluate, frames, picture, test_grasps};
 use net::infer::predict::Predictor;
 use net::train::sample::model_of;
 use record::render::save;
@@ -79,13 +79,13 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
         let samples = test_grasps(&set, &predictor, &split, args.extrapolate)?;
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
-    let judged = judge(&set, &predictor, &split, args.extrapolate)?;
+    let judged = evaluate(&set, &predictor, &split, args.extrapolate)?;
     let mut table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
     let accepted = acceptances(&judged);
     let mean = |k: usize| judged.iter().map(|j| j.time_s[k]).sum::<f64>() / judged.len().max(1) as f64;
-    let mut worst: Vec<&Judged> = judged.iter().collect();
-    let badness = |j: &Judged| j.frames.last().map_or(0.0, |f| f.displacement);
+    let mut worst: Vec<&GraspEvaluation> = judged.iter().collect();
+    let badness = |j: &GraspEvaluation| j.frames.last().map_or(0.0, |f| f.displacement);
     worst.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
     worst.truncate(args.worst);
     if let Some(dir) = &args.pictures {
@@ -150,12 +150,12 @@ fn report(
 }
 
 /// Draws the last frame of a grasp.
-fn draw(set: &DataSet, predictor: &Predictor, judged: &Judged, dir: &Path) -> Result<()> {
+fn draw(set: &DataSet, predictor: &Predictor, judged: &GraspEvaluation, dir: &Path) -> Result<()> {
     let Some(error) = judged.frames.last() else { return Ok(()) };
     let missing = || Error::Start(format!("object {} is not in the data set", error.object));
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let (model, grasp) = (model_of(file)?, file.grasp(error.grasp)?);
-    let [truth, predicted] = frames::both(file, &model, predictor, &grasp, &[error.frame])?;
+    let [truth, predicted] = frames::reference_and_prediction(file, &model, predictor, &grasp, &[error.frame])?;
     let page = picture::draw(file, error.grasp, &truth[0], &predicted[0])?;
     save(&page, &dir.join(format!("{}_{:03}.png", error.object, error.grasp)))
 }

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
+use world::run::expected_time::{EXPECTED_TIME_FACTOR, ExpectedTime};
 
 /// Largest number of grasps that are closed to first contact: a check then takes seconds, and the first grasps of a
 /// data set are sufficient.
@@ -146,7 +146,7 @@ impl Found {
         let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
         let ExpectedTime { processor_s, wall_s, .. } = self.expected;
         line(&format!(
-            "time: about {} of processor time for {all}, {} on this machine, within a factor of {EXPECTED_WITHIN}",
+            "time: about {} of processor time for {all}, {} on this machine, within a factor of {EXPECTED_TIME_FACTOR}",
             duration(processor_s),
             duration(wall_s)
         ));

@@ -9,7 +9,7 @@ use model::accuracy::indentation;
 use record::pad_name;
 use scene::{Loading, Scene};
 use std::time::Duration;
-use world::run::effort::{ExpectedTime, steps};
+use world::run::expected_time::{ExpectedTime, steps};
 
 /// Processor time of a grasp above which an input error is assumed, s: one day.
 const MAX_GRASP_TIME: f64 = 86_400.0;

@@ -12,10 +12,10 @@ use model::Model;
 use model::grasp::poses_of;
 use ndarray::IxDyn;
 use ndarray_npy::NpzWriter;
-use net::SHIPPED;
+use net::DEFAULT_MODEL;
 use net::infer::arrays::each_array;
-use net::infer::hold::slip;
-use net::infer::many::PredictedGrasp;
+use net::infer::batch::PredictedGrasp;
+use net::infer::friction_margin::slip_reason;
 use net::infer::predict::{GraspState, Predictor};
 use net::linear_response::GraspLoad;
 use rayon::prelude::*;
@@ -114,7 +114,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let pool = pool(threads)?;
     let own = set.scenes.first().and_then(|named| named.scene.stepper.model());
-    let predictor = Predictor::open(args.model.as_deref().or(own).unwrap_or(SHIPPED.as_ref()))?;
+    let predictor = Predictor::open(args.model.as_deref().or(own).unwrap_or(DEFAULT_MODEL.as_ref()))?;
     // Existing files are detected before anything is computed.
     let earlier = set.scenes.iter().filter_map(|named| arrays_of(args, named)).find(|path| path.exists());
     if let Some(path) = earlier.filter(|_| !args.overwrite) {
@@ -149,17 +149,18 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let poses = poses_of(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of new pads is computed here, outside the measured time of a grasp.
-    predictor.admit_some(&model, extrapolate)?;
-    let loads: Vec<GraspLoad> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
+    predictor.graph_if_some_force_in_range(&model, extrapolate)?;
+    let loads: Vec<GraspLoad> =
+        predictor.answerable_loads(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();
-    let answers = predictor.many(&model, &poses, extrapolate)?;
+    let answers = predictor.predict_batch(&model, &poses, extrapolate)?;
     let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
     if let (Some(dir), Some(path)) = (&args.out, arrays_of(args, named)) {
         create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &loads, &answers)))?;
     }
     let answered: Vec<&PredictedGrasp> = answers.iter().flatten().collect();
-    let decoded: usize = answered.iter().map(|answer| answer.ramp.decoded()).sum();
+    let decoded: usize = answered.iter().map(|answer| answer.interpolation.decoded()).sum();
     Ok(Report {
         name: named.name.as_str().into(),
         loads: loads.len(),
@@ -211,8 +212,10 @@ impl Report {
 
 impl End {
     fn of(answer: &Result<PredictedGrasp>) -> Self {
-        let last = |answer: &PredictedGrasp| answer.ramp.len().checked_sub(1).and_then(|last| answer.ramp.at(last));
-        match answer.as_ref().map(|answer| (slip(answer.hold), last(answer))) {
+        let last = |answer: &PredictedGrasp| {
+            answer.interpolation.len().checked_sub(1).and_then(|last| answer.interpolation.at(last))
+        };
+        match answer.as_ref().map(|answer| (slip_reason(answer.friction_margin), last(answer))) {
             Ok((Some(reason), _)) => Self::Failed { reason },
             Ok((None, Some(state))) => Self::Answer(Answer::of(&state)),
             Ok((None, None)) => Self::Failed { reason: "there is no load".into() },
@@ -229,7 +232,7 @@ impl Answer {
             travel_mm: 1e3 * state.pads.iter().map(|p| p.travel).sum::<f64>() / state.pads.len() as f64,
             displacement_mm: 1e3 * most(&mut state.pads.iter().flat_map(|p| &p.displacement).map(|u| u.length())),
             stress_kpa: state.pads.iter().any(|p| !p.stress.is_empty()).then_some(1e-3 * stress),
-            object_deg: most(&mut state.pads.iter().map(|p| p.turn.length())).to_degrees(),
+            object_deg: most(&mut state.pads.iter().map(|p| p.rotation_vector.length())).to_degrees(),
             error: state.error,
         }
     }

@@ -9,7 +9,7 @@ use base::machine::machine_threads;
 use dataset::DataSet;
 use indicatif::{ProgressBar, ProgressStyle};
 use net::network::spec::Spec;
-use net::train::{End, Trainer};
+use net::train::{Trainer, TrainingEnd};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -84,8 +84,8 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let wall = clock.elapsed().as_secs_f64();
     let card = trainer.card();
     let why = match end {
-        End::Epochs => "all epochs done",
-        End::Patience => "stopped early",
+        TrainingEnd::Epochs => "all epochs done",
+        TrainingEnd::Patience => "stopped early",
     };
     let text = match args.format {
         Format::Text => format!(

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use scene::LoadedSet;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use world::Choose;
+use world::StepperFactory;
 use world::run::run_grasps;
 
 /// Plan of all simulations of a data set, complete before the first simulation.
@@ -33,7 +33,7 @@ pub struct Campaign {
     objects: Vec<Planned>,
     splits: Splits,
     manifest: Manifest,
-    choose: Choose,
+    choose: StepperFactory,
 }
 
 impl Campaign {
@@ -42,7 +42,7 @@ impl Campaign {
     ///
     /// # Errors
     /// Fails if a scene cannot be built or the folder holds another data set.
-    pub fn plan(set: &LoadedSet, dir: &Path, choose: Choose) -> Result<Self> {
+    pub fn plan(set: &LoadedSet, dir: &Path, choose: StepperFactory) -> Result<Self> {
         Self::plan_some(set, dir, choose, None)
     }
 
@@ -50,7 +50,12 @@ impl Campaign {
     ///
     /// # Errors
     /// Fails as [`Campaign::plan`] does, and if a score cannot be computed.
-    pub fn plan_some(set: &LoadedSet, dir: &Path, choose: Choose, selection: Option<&Selection>) -> Result<Self> {
+    pub fn plan_some(
+        set: &LoadedSet,
+        dir: &Path,
+        choose: StepperFactory,
+        selection: Option<&Selection>,
+    ) -> Result<Self> {
         let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
         let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
         let planned = set.scenes.par_iter().map(|named| {
@@ -151,7 +156,7 @@ impl Campaign {
     /// Checks that the backend supports the first object, before anything is written.
     fn admit(&self) -> Result<()> {
         let Some(Planned { named, .. }) = self.objects.first() else { return Ok(()) };
-        (self.choose)(&named.scene)?.admit(&*Model::build(&named.scene)?)
+        (self.choose)(&named.scene)?.check_support(&*Model::build(&named.scene)?)
     }
 
     /// Runs the unfinished grasps on `threads` threads, and completes the data set.

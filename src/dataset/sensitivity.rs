@@ -12,9 +12,9 @@ use record::sensitivity::{Change, Moved};
 use scene::NamedScene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use world::Choose;
+use world::StepperFactory;
 use world::run::run_grasps;
-use world::run::sensitivity::{Ends, LastFrames, sensitivity};
+use world::run::sensitivity::{FinalStates, LastFrames, sensitivity};
 
 /// Name of the file.
 pub const SENSITIVITY: &str = "sensitivity.csv";
@@ -63,7 +63,7 @@ pub fn add(
     (dir, plan): (&Path, &str),
     table: &mut Vec<SensitivityRow>,
     (object, poses): (&NamedScene, &[Pose]),
-    choose: Choose,
+    choose: StepperFactory,
     threads: usize,
 ) -> Result<()> {
     let name = object.name.as_str();
@@ -76,7 +76,7 @@ pub fn add(
     let stepper = choose(&object.scene)?;
     let last = LastFrames::default();
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, threads, &last)?;
-    let ends = Ends::of(&outcomes, last);
+    let ends = FinalStates::of(&outcomes, last);
     let answers = sensitivity(&object.scene, &model, stepper.as_ref(), (&grasps, &ends), threads)?;
     for ((grasp, _), moved) in grasps.iter().zip(answers) {
         table.extend(moved.into_iter().map(|Moved { change, status, displacement, object_m }| SensitivityRow {

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use world::components::ObjectWeight;
 use world::environment::Environment;
-use world::schedule::{ForceCommand, Phase, Stop};
+use world::schedule::{EarlyTermination, ForceCommand, Phase};
 
 /// Maximum number of attempts to find a feasible start of an episode.
 const TRIES: u64 = 8;
@@ -185,7 +185,7 @@ impl Env {
 
 impl Run {
     /// Closes the hand on the object of the draw, which rests on its support.
-    fn new(shared: &EnvShared, draw: Draw) -> Result<Self, Stop> {
+    fn new(shared: &EnvShared, draw: Draw) -> Result<Self, EarlyTermination> {
         let force = shared.task.start.get();
         let (environment, frame) = grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
         let weight = shared.weight(&draw, &draw.pose);
@@ -213,7 +213,7 @@ impl Run {
     }
 
     /// Takes one step; on failure, `frame` remains that of the last accepted state.
-    fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) -> Result<StepInfo, Stop> {
+    fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) -> Result<StepInfo, EarlyTermination> {
         self.step += 1;
         let Action { force, twist, regrasp } = action::decode(&shared.task, numbers, self.force, self.twist);
         (self.force, self.twist) = (force, twist);
@@ -257,8 +257,13 @@ impl EpisodeKey {
 }
 
 /// Creates a world and closes its hand at `pose` with `force` (N, sum over the fingers).
-fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Result<(Environment, Frame), Stop> {
-    let mut environment = shared.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
+fn grasp(
+    shared: &EnvShared,
+    model: &Arc<Model>,
+    pose: Pose,
+    force: f64,
+) -> Result<(Environment, Frame), EarlyTermination> {
+    let mut environment = shared.environment(model, pose).map_err(|e| EarlyTermination::fault(e.to_string()))?;
     match close(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
         Err(stop) => {
@@ -269,30 +274,30 @@ fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Resu
 }
 
 /// Closes the hand of a new world with `force` (N, sum over the fingers).
-fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
+fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, EarlyTermination> {
     environment.world_mut().insert_resource(ForceCommand { force: 0.0 });
     loop {
         match environment.phase() {
             Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
-            Phase::Dropped { reason } => return Err(Stop { dropped: true, reason }),
-            Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(Stop::fault(reason)),
-            Phase::Done => return Err(Stop::fault("the grasp ended before its first step")),
+            Phase::Dropped { reason } => return Err(EarlyTermination { dropped: true, reason }),
+            Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(EarlyTermination::fault(reason)),
+            Phase::Done => return Err(EarlyTermination::fault("the grasp ended before its first step")),
             Phase::Place | Phase::Close => environment.step(),
         };
     }
 }
 
 /// Takes one step of the world under `force` (N, sum over the fingers) and `load` on the object (N, hand frame).
-fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
+fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, EarlyTermination> {
     let world = environment.world_mut();
     world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
     let phase = environment.step();
     match (phase, environment.take_frame()) {
-        (Phase::Dropped { reason }, _) => Err(Stop { dropped: true, reason }),
-        (Phase::Fault { reason } | Phase::Infeasible { reason }, _) => Err(Stop::fault(reason)),
+        (Phase::Dropped { reason }, _) => Err(EarlyTermination { dropped: true, reason }),
+        (Phase::Fault { reason } | Phase::Infeasible { reason }, _) => Err(EarlyTermination::fault(reason)),
         (_, Some(frame)) => Ok(frame),
-        (other, None) => Err(Stop::fault(format!("the step ended in {other:?} without a state"))),
+        (other, None) => Err(EarlyTermination::fault(format!("the step ended in {other:?} without a state"))),
     }
 }
 

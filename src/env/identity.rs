@@ -23,7 +23,7 @@ pub(crate) fn identity(scene: &Scene, task: &Task, kinds: &[ObjectKind]) -> Resu
         // A network is identified by its weights, not by its path.
         StepperChoice::Gnn(gnn) => {
             hasher.update(text(&Gnn { model: PathBuf::new(), ..gnn.clone() })?.as_bytes());
-            match (shipped::named(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
+            match (shipped::by_name(&gnn.model), std::fs::read(gnn.model.join(WEIGHTS))) {
                 (Some(shipped), _) => hasher.update(shipped.weights),
                 (None, Ok(weights)) => hasher.update(&weights),
                 (None, Err(_)) => hasher.update(gnn.model.as_os_str().as_encoded_bytes()),

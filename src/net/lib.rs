@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! Model + grasp -> linear_response/first_contact.rs -> features/ (on linear_response/pad_graph.rs) -> network/ -> infer/predict.rs
-//!                  -> infer/answer.rs -> backend/network.rs
+//!                  -> infer/grasp_output.rs -> backend/network.rs
 //! a load        -> linear_response/rigid_equilibrium/ -> linear_response/projected_gradient.rs
 //!                  -> features/loads.rs (linear_response/balance.rs) -> network/
-//! PyTorch       -> infer/slopes.rs (inputs with their derivatives) -> infer/inputs.rs (plain arrays)
+//! PyTorch       -> infer/input_derivatives.rs (inputs with their derivatives) -> infer/inputs.rs (plain arrays)
 //! data set      -> train/sample.rs: the same, and the results of FEM -> train/
 //!                  -> network/card.rs (models/NAME), features/range.rs
 //! ```
@@ -19,4 +19,4 @@ pub mod matrix;
 pub mod network;
 pub mod train;
 
-pub use network::shipped::SHIPPED;
+pub use network::shipped::DEFAULT_MODEL;

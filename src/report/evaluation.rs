@@ -12,7 +12,7 @@ use base::table::Table;
 use dataset::inspect::chosen;
 use dataset::{DataSet, Manifest};
 use net::eval::table::{ErrorRow, ranks, rows};
-use net::eval::{Judged, frames, judge};
+use net::eval::{GraspEvaluation, evaluate, frames};
 use net::infer::predict::Predictor;
 use net::train::data::split;
 use net::train::sample::model_of;
@@ -94,9 +94,9 @@ fn objects(set: &DataSet) -> Table {
 fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
-    let judged = judge(set, &predictor, &split, false)?;
+    let judged = evaluate(set, &predictor, &split, false)?;
     let table = rows(&split, &judged);
-    let mut ranked: Vec<&Judged> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
+    let mut ranked: Vec<&GraspEvaluation> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
     ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));
     for (at, role) in example_ranks(ranked.len(), wishes.grasps) {
         page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
@@ -133,7 +133,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
 }
 
 /// Returns the displacement error at full load, by which grasps are ranked.
-fn last(judged: &Judged) -> f64 {
+fn last(judged: &GraspEvaluation) -> f64 {
     judged.frames.last().map_or(0.0, |f| f.displacement)
 }
 
@@ -156,13 +156,19 @@ fn example_ranks(count: usize, wanted: usize) -> Vec<(usize, String)> {
     places.into_iter().map(|at| (at, role(at))).collect()
 }
 
-fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, most: usize) -> Result<Recording> {
+fn compared(
+    set: &DataSet,
+    predictor: &Predictor,
+    judged: &GraspEvaluation,
+    role: &str,
+    most: usize,
+) -> Result<Recording> {
     let missing = || Error::Start("an evaluated grasp is not in the data set".into());
     let error = judged.frames.last().ok_or_else(missing)?;
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let grasp = file.grasp(error.grasp)?;
     let wanted = chosen(grasp.frames, Some(most));
-    let [truth, predicted] = frames::both(file, &model_of(file)?, predictor, &grasp, &wanted)?;
+    let [truth, predicted] = frames::reference_and_prediction(file, &model_of(file)?, predictor, &grasp, &wanted)?;
     let at = |pick: fn(&net::eval::FrameError) -> f64| {
         let of = |k: &usize| judged.frames.iter().find(|f| f.frame == *k).map_or(f64::NAN, pick);
         wanted.iter().map(of).collect()
@@ -240,7 +246,7 @@ fn by_object(table: &[ErrorRow]) -> Chart {
     Chart { title: "Error by object".into(), quantities: quantities(table, &groups), over: Over::Names(names) }
 }
 
-fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[Judged]) -> Chart {
+fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[GraspEvaluation]) -> Chart {
     let pads = set.objects.first().map_or(1, |o| o.sizes.pads) as f64;
     // All grasps have the same load levels, so the frame index determines the force.
     let frames = judged.first().map_or(&[][..], |j| &j.frames);
@@ -249,7 +255,7 @@ fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[Judged]) -> Chart {
     Chart { title: "Error by force".into(), quantities: quantities(table, &groups), over }
 }
 
-fn worst(ranked: &[&Judged]) -> Table {
+fn worst(ranked: &[&GraspEvaluation]) -> Table {
     let columns = ["object", "grasp", "displacement, %", "stress, %", "contact force, %", "travel, %", "largest, mm"];
     let mut table = Table::new("All test grasps at full load, worst first", &columns);
     table.folded = true;

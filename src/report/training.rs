@@ -5,7 +5,7 @@ use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use base::error::Result;
 use base::number::counted;
-use net::network::card::{CARD, Trained};
+use net::network::card::{CARD, StoredModel};
 use net::train::curves::{self, Epoch};
 use std::path::Path;
 
@@ -21,9 +21,9 @@ pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
     });
     let mut blocks = vec![PageBlock::Chart(losses(&epochs))];
     let count = counted(epochs.len(), "epoch");
-    let lead = match dir.join(CARD).exists().then(|| Trained::read(dir)) {
+    let lead = match dir.join(CARD).exists().then(|| StoredModel::read(dir)) {
         None => format!("The training is not finished: so far {count}.{best}"),
-        Some(Ok(Trained { card, .. })) => {
+        Some(Ok(StoredModel { card, .. })) => {
             let learnt = format!("{}, {} parameters", counted(card.grasps, "training grasp"), card.parameters);
             format!("{count}, {learnt}, split {}.{best}", card.split)
         }

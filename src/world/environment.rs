@@ -2,9 +2,9 @@
 //! [`Model`], so any number may run in parallel.
 
 use crate::Stepper;
-use crate::schedule::{CurrentGrasp, FallbackReason, Phase, Recorded, Shared, StepSet, Timings};
-use crate::spawn::{begin, spawn};
-use crate::systems::audit::Audited;
+use crate::schedule::{FallbackReason, GraspPose, Phase, RecordedFrame, SharedModel, StepSet, Timings};
+use crate::spawn::{reset, spawn};
+use crate::systems::audit::AuditFindings;
 use crate::systems::schedule;
 use base::error::{Error, Result};
 use bevy_ecs::prelude::*;
@@ -45,29 +45,29 @@ impl Environment {
     /// Fails in the cases of [`Environment::new`].
     pub fn restart(&mut self, stepper: &dyn Stepper, pose: Pose) -> Result<()> {
         let model = self.model().clone();
-        if stepper.chooses_systems() {
+        if stepper.systems_depend_on_grasp() {
             *self = Self::new(&model, stepper, pose)?;
             return Ok(());
         }
-        begin(&mut self.world, &model, pose);
+        reset(&mut self.world, &model, pose);
         stepper.prepare(&mut self.world)
     }
 
     /// Returns the model of the scene: object, pads, gripper and loads, shared by all grasps.
     pub fn model(&self) -> &Arc<Model> {
-        &self.world.resource::<Shared>().0
+        &self.world.resource::<SharedModel>().0
     }
 
     /// Returns the pose of the hand in the object frame.
     pub fn pose(&self) -> Pose {
-        self.world.resource::<CurrentGrasp>().0
+        self.world.resource::<GraspPose>().0
     }
 
     /// Runs one step: places the object, closes the hand to first contact, or advances to the next load level. Does
     /// nothing in a final phase ([`Phase::is_final`]). Returns the phase of the next step.
     pub fn step(&mut self) -> Phase {
         if !self.phase().is_final() {
-            self.world.resource_mut::<Recorded>().0 = None;
+            self.world.resource_mut::<RecordedFrame>().0 = None;
             self.schedule.run(&mut self.world);
         }
         self.phase()
@@ -80,22 +80,22 @@ impl Environment {
 
     /// Returns the frame that the last step recorded; None if it recorded none.
     pub fn frame(&self) -> Option<&Frame> {
-        self.world.resource::<Recorded>().0.as_ref()
+        self.world.resource::<RecordedFrame>().0.as_ref()
     }
 
     /// Removes the frame that the last step recorded from the world and returns it; None if there is none.
     pub fn take_frame(&mut self) -> Option<Frame> {
-        self.world.resource_mut::<Recorded>().0.take()
+        self.world.resource_mut::<RecordedFrame>().0.take()
     }
 
     /// Returns the findings of the independent audit of the frame that the last step recorded; None if it recorded
     /// none, or if no expectation of the scene requires an audit.
     pub fn findings(&self) -> Option<Findings> {
-        self.frame().and(self.world.get_resource::<Audited>()?.0)
+        self.frame().and(self.world.get_resource::<AuditFindings>()?.0)
     }
 
     /// Returns the reason why this grasp fell back from the network to finite elements; None if it did not.
-    pub fn handed_over(&self) -> Option<&str> {
+    pub fn fallback_reason(&self) -> Option<&str> {
         self.world.get_resource::<FallbackReason>().map(|reason| reason.0.as_str())
     }
 

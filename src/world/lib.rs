@@ -10,4 +10,4 @@ pub mod stepper;
 pub mod systems;
 
 pub use environment::Environment;
-pub use stepper::{Choose, Stepper};
+pub use stepper::{Stepper, StepperFactory};

@@ -82,7 +82,7 @@ impl Phase {
 
 /// Reason why a grasp ends before it reaches its load.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Stop {
+pub struct EarlyTermination {
     /// Flag: the object has left the grasp, as in reality; otherwise no solution was found, or the grasp could not
     /// start.
     pub dropped: bool,
@@ -90,24 +90,24 @@ pub struct Stop {
     pub reason: String,
 }
 
-impl Stop {
+impl EarlyTermination {
     /// Creates the stop of a solver that failed.
     pub fn fault(reason: impl Into<String>) -> Self {
         Self { dropped: false, reason: reason.into() }
     }
 }
 
-impl From<Stop> for Phase {
-    fn from(Stop { dropped, reason }: Stop) -> Self {
+impl From<EarlyTermination> for Phase {
+    fn from(EarlyTermination { dropped, reason }: EarlyTermination) -> Self {
         if dropped { Phase::Dropped { reason } } else { Phase::Fault { reason } }
     }
 }
 
 /// Phase of the next step, if a system of this step requested one. The first request applies.
 #[derive(Resource, Debug, Default)]
-pub struct Next(Option<Phase>);
+pub struct NextPhase(Option<Phase>);
 
-impl Next {
+impl NextPhase {
     /// Requests `phase`, unless another one was requested before.
     pub fn request(&mut self, phase: Phase) {
         self.0.get_or_insert(phase);
@@ -121,11 +121,11 @@ impl Next {
 
 /// Model, which is constant and shared with all other worlds of the scene.
 #[derive(Resource, Debug, Clone)]
-pub struct Shared(pub Arc<Model>);
+pub struct SharedModel(pub Arc<Model>);
 
 /// Pose of the hand in the object frame.
 #[derive(Resource, Debug, Clone, Copy)]
-pub struct CurrentGrasp(pub Pose);
+pub struct GraspPose(pub Pose);
 
 /// Load given externally, step by step; without it the levels of the scene apply, one after the other.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -202,14 +202,14 @@ pub struct FallbackReason(pub String);
 
 /// The last recorded frame.
 #[derive(Resource, Debug, Default)]
-pub struct Recorded(pub Option<Frame>);
+pub struct RecordedFrame(pub Option<Frame>);
 
 /// Label of the only schedule of a world.
 #[derive(ScheduleLabel, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct StepLabel;
 
 /// Run condition: the step computes a frame.
-pub fn ramping(phase: Res<Phase>) -> bool {
+pub fn computes_frame(phase: Res<Phase>) -> bool {
     matches!(*phase, Phase::Ramp { .. })
 }
 

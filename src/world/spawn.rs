@@ -2,10 +2,10 @@
 
 use crate::components::*;
 use crate::schedule::{
-    BalanceReport, CurrentGrasp, FallbackReason, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport,
-    Timings,
+    BalanceReport, FallbackReason, ForceCommand, GraspPose, NextPhase, Phase, RecordedFrame, SharedModel, StepLoad,
+    StepReport, Timings,
 };
-use crate::systems::audit::Audited;
+use crate::systems::audit::AuditFindings;
 use bevy_ecs::component::{Component, Mutable};
 use bevy_ecs::entity::Entity;
 use bevy_ecs::world::World;
@@ -45,53 +45,53 @@ pub fn spawn(model: &Arc<Model>, pose: Pose) -> World {
     if model.needs.dynamic {
         world.spawn(HandPose(pose));
     }
-    begin(&mut world, model, pose);
+    reset(&mut world, model, pose);
     world
 }
 
 /// Resets a world of `model` to the start of a grasp at `pose`: columns and resources are as in a new one.
-pub fn begin(world: &mut World, model: &Arc<Model>, pose: Pose) {
+pub fn reset(world: &mut World, model: &Arc<Model>, pose: Pose) {
     for (rest, mut x) in world.query::<(&RestPosition, &mut Position)>().iter_mut(world) {
         x.0 = rest.0;
     }
-    fill(world, NodalStress(0.0));
-    fill(world, ContactForce(DVec3::ZERO));
-    fill(world, NodeGap(0.0));
-    fill(world, NodeSlip(0.0));
-    fill(world, TetStress(0.0));
-    fill(world, ContactEdge::default());
-    fill(world, ContactFriction::default());
-    fill(world, FirstContact(0.0));
-    fill(world, FingerTravel(0.0));
-    fill(world, FingerForce(0.0));
-    fill(world, FingerWrench::default());
-    fill(world, ContactArea(0.0));
+    set_all(world, NodalStress(0.0));
+    set_all(world, ContactForce(DVec3::ZERO));
+    set_all(world, NodeGap(0.0));
+    set_all(world, NodeSlip(0.0));
+    set_all(world, TetStress(0.0));
+    set_all(world, ContactEdge::default());
+    set_all(world, ContactFriction::default());
+    set_all(world, FirstContact(0.0));
+    set_all(world, FingerTravel(0.0));
+    set_all(world, FingerForce(0.0));
+    set_all(world, FingerWrench::default());
+    set_all(world, ContactArea(0.0));
     let start = pose.inverse();
-    fill(world, ObjectPose(start));
-    fill(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
-    fill(world, ObjectVelocity::default());
-    fill(world, ObjectMomentum::default());
-    fill(world, InertialWrench::default());
-    fill(world, GroundWrench::default());
-    fill(world, HandPose(pose));
+    set_all(world, ObjectPose(start));
+    set_all(world, ObjectWeight(start.rotation * model.gravity.unwrap_or_default() * model.mass));
+    set_all(world, ObjectVelocity::default());
+    set_all(world, ObjectMomentum::default());
+    set_all(world, InertialWrench::default());
+    set_all(world, GroundWrench::default());
+    set_all(world, HandPose(pose));
     world.remove_resource::<ForceCommand>();
     world.remove_resource::<FallbackReason>();
-    world.insert_resource(Shared(model.clone()));
-    world.insert_resource(CurrentGrasp(pose));
+    world.insert_resource(SharedModel(model.clone()));
+    world.insert_resource(GraspPose(pose));
     world.insert_resource(Phase::Place);
-    world.insert_resource(Next::default());
+    world.insert_resource(NextPhase::default());
     world.insert_resource(StepLoad::default());
     world.insert_resource(StepReport::default());
     world.insert_resource(BalanceReport::default());
-    world.insert_resource(Recorded::default());
+    world.insert_resource(RecordedFrame::default());
     world.insert_resource(Timings::default());
     if model.needs.audit {
-        world.insert_resource(Audited::default());
+        world.insert_resource(AuditFindings::default());
     }
 }
 
 /// Sets this component of all entities to the same value.
-fn fill<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
+fn set_all<C: Component<Mutability = Mutable> + Clone>(world: &mut World, value: C) {
     world.query::<&mut C>().iter_mut(world).for_each(|mut own| own.clone_from(&value));
 }
 

@@ -20,12 +20,13 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     /// Returns its settings in one line, for reports.
     fn settings(&self) -> String;
-    /// Returns true if it computes whether friction holds the object; if not, the environment (`env::slip`) decides that.
+    /// Returns true if it computes whether friction holds the object; if not, the environment (`env::slip`) decides
+    /// that.
     fn solves_friction(&self) -> bool {
         true
     }
     /// Returns true if its frames have an error bound.
-    fn knows_error(&self) -> bool {
+    fn has_error_bound(&self) -> bool {
         false
     }
     /// Returns notices on the validity of its results for `model`, one sentence each.
@@ -36,11 +37,11 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// Fails if it does not; the message states the reason.
-    fn admit(&self, _model: &Model) -> Result<()> {
+    fn check_support(&self, _model: &Model) -> Result<()> {
         Ok(())
     }
     /// Returns true if the systems that it registers depend on the grasp: a world is not reused then.
-    fn chooses_systems(&self) -> bool {
+    fn systems_depend_on_grasp(&self) -> bool {
         false
     }
     /// Inserts its resources into `world`, at the start of a grasp.
@@ -63,4 +64,4 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
 }
 
 /// Function that opens the backend that a scene selects.
-pub type Choose = fn(&Scene) -> Result<Box<dyn Stepper>>;
+pub type StepperFactory = fn(&Scene) -> Result<Box<dyn Stepper>>;

@@ -4,7 +4,7 @@ use crate::env_made::*;
 use std::sync::{LazyLock, OnceLock};
 use tactus::env::{Autoreset, BatchConfig, BatchEnv, Snapshot};
 use tactus::scene::NamedScene;
-use tactus::world::schedule::{Next, Phase};
+use tactus::world::schedule::{NextPhase, Phase};
 
 /// The task on one backend.
 struct Backend {
@@ -247,7 +247,7 @@ fn a_fault_stays_in_its_environment(on: &Backend) {
     let mut env = batch(set, config(3));
     env.reset(None, None).unwrap();
     let world = env.environment(1).unwrap().world_mut();
-    world.resource_mut::<Next>().request(Phase::Fault { reason: "poisoned".into() });
+    world.resource_mut::<NextPhase>().request(Phase::Fault { reason: "poisoned".into() });
     let poisoned: Vec<_> = (0..3)
         .map(|step| {
             let view = env.step(&actions(0, 3, step)).unwrap();

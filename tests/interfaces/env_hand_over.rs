@@ -35,7 +35,7 @@ fn half() -> f64 {
 }
 
 fn handed_over(env: &mut BatchEnv) -> bool {
-    env.environment(0).unwrap().handed_over().is_some()
+    env.environment(0).unwrap().fallback_reason().is_some()
 }
 
 #[test]

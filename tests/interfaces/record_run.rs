@@ -9,14 +9,14 @@ use std::fs::{File, read, read_to_string};
 use std::path::Path;
 use std::time::Duration;
 use tactus::record::{Frame, GraspSummary, PadTopology, RunReport, Status};
-use tactus::world::run::{Options, RunRecorder};
+use tactus::world::run::{RecordingOptions, RunRecorder};
 
 fn report() -> RunReport {
     RunReport::new("fem", 2, serde_json::json!({ "about": "test" }))
 }
 
-fn options() -> Options {
-    Options { object_name: "sphere".into(), flush_after: Duration::ZERO, ..Options::default() }
+fn options() -> RecordingOptions {
+    RecordingOptions { object_name: "sphere".into(), flush_after: Duration::ZERO, ..RecordingOptions::default() }
 }
 
 fn ramp(pads: &[PadTopology], frames: usize) -> Vec<Frame> {

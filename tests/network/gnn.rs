@@ -11,7 +11,7 @@ use tactus::geometry::Wrench;
 use tactus::mech::body::{Body, Elements};
 use tactus::model::Model;
 use tactus::model::part::FingerModel;
-use tactus::net::infer::force_ladder::ForceInterpolation;
+use tactus::net::infer::force_interpolation::ForceInterpolation;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
@@ -131,7 +131,7 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
     let touch = GeometricContact::find(&model, pose).unwrap();
     let answer = |finger: &FingerModel| {
         let graph = Arc::new(PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap());
-        predictor.at(&predictor.look(&model, &graph, &touch), 0.5).unwrap()
+        predictor.at(&predictor.encode_first_contact(&model, &graph, &touch), 0.5).unwrap()
     };
     let (a, b) = (answer(finger), answer(&other));
     let longest = a.pads[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
@@ -151,9 +151,9 @@ fn outside_the_trained_range_it_refuses_and_says_why() {
     let refusal = |from: &str, to: &str| {
         assert!(text.contains(from), "the scene has {from}");
         let model = Model::build(&from_ron(&text.replace(from, to)).unwrap()).unwrap();
-        predictor.admit(&model, false).unwrap_err().to_string()
+        predictor.graph_if_in_range(&model, false).unwrap_err().to_string()
     };
-    assert!(predictor.admit(&ball(made).0, false).is_ok());
+    assert!(predictor.graph_if_in_range(&ball(made).0, false).is_ok());
     assert!(refusal("force: 2.0", "force: 9.0").contains("outside the training range"));
     assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
     assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
@@ -200,8 +200,11 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
     let made = made();
     let predictor = Predictor::open(&made.model).unwrap();
     let (model, pose) = ball(made);
-    let seen =
-        predictor.look(&model, &predictor.graph(&model).unwrap(), &GeometricContact::find(&model, pose).unwrap());
+    let seen = predictor.encode_first_contact(
+        &model,
+        &predictor.graph(&model).unwrap(),
+        &GeometricContact::find(&model, pose).unwrap(),
+    );
     let high = predictor.card.range.force[1] * seen.unit_force();
     let low = high / 7.0;
     let ladder = ForceInterpolation::new(&predictor, &seen, low, high).unwrap();

@@ -6,15 +6,16 @@ use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::geometry::Wrench;
 use tactus::net::autodiff::ops::{
-    Activation, apply, balanced, deviatoric_stress, displaced, layer_norm, linear, respond, von_mises,
+    Activation, balance_contact_forces, deviatoric_stress, free_displacement, layer_norm, linear, scatter_to_nodes,
+    sparse_product, von_mises,
 };
 use tactus::net::autodiff::tensor::{Matrix, NoneTape, Real, SharedTape, gradients, matrix, values};
 use tactus::net::linear_response::balance::{ObjectBalance, PadLoad};
 use tactus::net::linear_response::compliance::Compliance;
-use tactus::net::linear_response::deviator::{Deviator, PARTS};
+use tactus::net::linear_response::deviator::{DeviatoricStressMap, PARTS};
 use tactus::net::matrix::Sparse;
-use tactus::net::network::layers::share;
-use tactus::net::train::loss::root_error;
+use tactus::net::network::layers::force_fractions;
+use tactus::net::train::loss::bounded_relative_error;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
     (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()
@@ -45,7 +46,7 @@ fn compare<E: Real>(
     let (rows, cols) = *pass(&parameters).shape();
     let target = numbers(&mut random, rows * cols);
     let weight: Vec<f32> = (0..rows).map(|_| 0.5 + random.unit() as f32).collect();
-    let loss = |p: &[Matrix<E>]| root_error(pass(p), target.clone(), weight.clone(), rows);
+    let loss = |p: &[Matrix<E>]| bounded_relative_error(pass(p), target.clone(), weight.clone(), rows);
     let gradients = gradients(loss(&parameters), &parameters);
     for k in 0..parameters.len() {
         let start = values(&parameters[k]);
@@ -100,9 +101,9 @@ fn norms_and_shapes() {
 #[test]
 fn sparse_maps_and_shares() {
     let map = Sparse::new(&[vec![(0, 1.0), (2, -0.5)], vec![], vec![(1, 2.0)], vec![(2, 1.0)]], 3);
-    check!("sparse, two blocks", &[(6, 3)], |t, _| apply(&map, t[0].clone()));
-    check!("sparse, transposed", &[(8, 3)], |t, _| apply(&map.transposed(), t[0].clone()));
-    check!("share", &[(8, 3)], |t, _| share(t[0].clone(), 4));
+    check!("sparse, two blocks", &[(6, 3)], |t, _| sparse_product(&map, t[0].clone()));
+    check!("sparse, transposed", &[(8, 3)], |t, _| sparse_product(&map.transposed(), t[0].clone()));
+    check!("share", &[(8, 3)], |t, _| force_fractions(t[0].clone(), 4));
 }
 
 #[test]
@@ -122,7 +123,7 @@ fn balances() {
     };
     let two = [balance(0.5), balance(2.0)];
     for mirror in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]] {
-        check!("balance, two levels", &[(16, 3)], |t, _| balanced(t[0].clone(), &two, mirror));
+        check!("balance, two levels", &[(16, 3)], |t, _| balance_contact_forces(t[0].clone(), &two, mirror));
     }
 }
 
@@ -132,14 +133,14 @@ fn linear_responses() {
     let mut random = Random::new(5);
     let (slot, forces) = (vec![Some(0), None, Some(1)], 6);
     let parts = numbers(&mut random, 4 * PARTS).into();
-    let deviator = Deviator { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
+    let deviator = DeviatoricStressMap { start: vec![0, 1, 2, 4], slot: vec![0, 1, 1, 0], parts };
     let response = numbers(&mut random, 6 * forces);
     let pad = Arc::new(Compliance::from_parts(slot, response.clone().into(), forces, deviator));
-    check!("response", &[(11, 6)], |t, _| respond(&pad, t[0].clone()));
-    check!("displacement", &[(11, 6)], |t, _| displaced(&pad, t[0].clone()));
+    check!("response", &[(11, 6)], |t, _| free_displacement(&pad, t[0].clone()));
+    check!("displacement", &[(11, 6)], |t, _| scatter_to_nodes(&pad, t[0].clone()));
     check!("stress", &[(11, 6)], |t, _| deviatoric_stress(&pad, t[0].clone()));
     let force = matrix(11, 6, constants::<f64>(&mut random, 66));
-    let moved = respond(&pad, force.clone());
+    let moved = free_displacement(&pad, force.clone());
     let dense = matrix(6, 6, (0..36).map(|i| f64::from(response[i % 6 * 6 + i / 6])).collect());
     let product: Matrix<f64> = force.matmul(dense);
     for (a, b) in values(&moved).iter().zip(values(&product)) {
@@ -150,7 +151,7 @@ fn linear_responses() {
 #[test]
 fn shares_sum_to_one() {
     let mut random = Random::new(3);
-    let y = share::<f32, NoneTape>(matrix(10, 3, numbers(&mut random, 30)), 5);
+    let y = force_fractions::<f32, NoneTape>(matrix(10, 3, numbers(&mut random, 30)), 5);
     for group in values(&y).chunks_exact(15) {
         let sum: f32 = group.iter().step_by(3).sum();
         assert!((sum - 1.0).abs() < 1e-6, "the shares of a finger's force sum to {sum}");

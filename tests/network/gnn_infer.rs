@@ -7,10 +7,10 @@ use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::Pose;
 use tactus::model::Model;
-use tactus::net::infer::predict::{GraspState, PadState, Predictor, Seen};
-use tactus::net::infer::ramp::Ramp;
+use tactus::net::infer::load_interpolation::LoadInterpolation;
+use tactus::net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::{GraspLoad, loads_of};
+use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
@@ -30,17 +30,20 @@ fn lists(pads: &[PadState]) -> [(&'static str, Vec<f64>); 5] {
         ("contact force", vectors(|p| &p.contact)),
         ("stress", pads.iter().flat_map(|p| &p.stress).copied().collect()),
         ("travel", pads.iter().map(|p| p.travel).collect()),
-        ("object motion", pads.iter().flat_map(|p| [p.shift.to_array(), p.turn.to_array()].concat()).collect()),
+        (
+            "object motion",
+            pads.iter().flat_map(|p| [p.translation.to_array(), p.rotation_vector.to_array()].concat()).collect(),
+        ),
     ]
 }
 
 const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 
 /// Encodes the grasp of the ball with `predictor`.
-fn seen(predictor: &Predictor) -> Seen {
+fn seen(predictor: &Predictor) -> EncodedGrasp {
     let (model, pose) = ball(made());
     let touch = GeometricContact::find(&model, pose).unwrap();
-    predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch)
+    predictor.encode_first_contact(&model, &predictor.graph_if_in_range(&model, false).unwrap(), &touch)
 }
 
 fn answer(predictor: &Predictor) -> Vec<GraspState> {
@@ -108,7 +111,7 @@ fn a_ramp_of_few_decoded_loads_has_all_others() {
     let predictor = Predictor::open(&made().sure).unwrap();
     let seen = seen(&predictor);
     let loads: Vec<GraspLoad> = (0..=100).map(|k| (0.5 + 0.005 * f64::from(k)).into()).collect();
-    let ramp = Ramp::new(&predictor, &seen, &loads).unwrap();
+    let ramp = LoadInterpolation::new(&predictor, &seen, &loads).unwrap();
     assert_eq!(ramp.len(), loads.len());
     assert!(ramp.decoded() < loads.len() / 4, "{} decoded loads", ramp.decoded());
     for (k, decoded) in predictor.states(&seen, &loads).unwrap().iter().enumerate() {
@@ -145,9 +148,9 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
 
     let predictor = Predictor::open(Path::new("universe")).unwrap();
     let touch = GeometricContact::find(&model, poses[0].1).unwrap();
-    let seen = predictor.look(&model, &predictor.admit(&model, false).unwrap(), &touch);
-    let loads = loads_of(&model);
-    let ramp = Ramp::new(&predictor, &seen, &loads).unwrap();
+    let seen = predictor.encode_first_contact(&model, &predictor.graph_if_in_range(&model, false).unwrap(), &touch);
+    let loads = frame_loads(&model);
+    let ramp = LoadInterpolation::new(&predictor, &seen, &loads).unwrap();
     assert!(ramp.decoded() <= 20, "{} of {} loads are decoded", ramp.decoded(), loads.len());
     let mean_error = |state: &dyn Fn(usize) -> GraspState| {
         let of = |(k, frame): (usize, &Frame)| {
@@ -175,9 +178,9 @@ fn many_grasps_are_those_of_each_alone() {
     poses.splice(1..1, [moved(DVec3::Y), pose]);
     let states = |threads: usize, poses: &[Pose]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let many = pool.install(|| predictor.many(&model, poses, false)).unwrap();
+        let many = pool.install(|| predictor.predict_batch(&model, poses, false)).unwrap();
         many.into_iter()
-            .map(|answer| answer.ok().and_then(|answer| answer.ramp.at(answer.ramp.len() - 1)))
+            .map(|answer| answer.ok().and_then(|answer| answer.interpolation.at(answer.interpolation.len() - 1)))
             .collect::<Vec<_>>()
     };
     let all = states(1, &poses);

@@ -46,15 +46,16 @@ fn the_grip_carries_the_force_of_each_finger_and_holds_the_object_still() {
     let features = features(model);
     let (equilibrium, basis) = (&features.equilibrium, &features.graph.basis);
     for force in [0.03, 0.1, 0.5] {
-        let rest = equilibrium.rest(&force.into());
+        let rest = equilibrium.equilibrium(&force.into());
         let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for (p, finger) in model.fingers.iter().enumerate() {
             let turn = finger.placement.rotation;
             let mut carried = 0.0;
-            for ((x, u), push) in basis.rest.iter().zip(&rest.moved[p]).zip(&rest.force[p]) {
+            for ((x, u), push) in basis.centers.iter().zip(&rest.displacement[p]).zip(&rest.force[p]) {
                 let push = turn * *push;
                 carried -= push.dot(finger.placement.closing);
-                (sum, torque) = (sum + push, torque + (equilibrium.place(p, *x, *u, &rest) - rest.shift).cross(push));
+                (sum, torque) =
+                    (sum + push, torque + (equilibrium.hand_position(p, *x, *u, &rest) - rest.translation).cross(push));
             }
             torque += finger.placement.closing * rest.twist[p];
             assert!((carried - force).abs() < 1e-2 * force, "a finger closed by {force} E t2 is held by {carried}");
@@ -74,14 +75,19 @@ fn an_object_that_is_held_stays_where_it_is() {
     let model = &MADE.0;
     let features = features(model);
     let force = 0.01;
-    let rest = features.equilibrium.rest(&force.into());
+    let rest = features.equilibrium.equilibrium(&force.into());
     let pressed = |(p, finger): (usize, &FingerModel)| -> f64 {
         let closing = finger.placement.rotation.transpose() * finger.placement.closing;
         rest.force[p].iter().map(|push| -push.dot(closing)).sum()
     };
     let both: f64 = model.fingers.iter().enumerate().map(pressed).sum();
     assert!((both - 2.0 * force).abs() < 1e-2 * force, "two fingers closed by {force} E t2 press with {both}");
-    assert!(rest.shift == DVec3::ZERO && rest.rotation == DQuat::IDENTITY, "{} {}", rest.shift, rest.rotation);
+    assert!(
+        rest.translation == DVec3::ZERO && rest.rotation == DQuat::IDENTITY,
+        "{} {}",
+        rest.translation,
+        rest.rotation
+    );
 }
 
 /// A block held askew by 12 degrees and released under load rotates back: by 9.05 degrees with condensed finite
@@ -100,7 +106,7 @@ fn a_block_that_is_let_go_under_load_turns_between_the_pads() {
     let graph = Arc::new(graph(&model));
     let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, pose).unwrap());
     let turned = |force: f64| {
-        let rest = features.equilibrium.rest(&(0.5 * force / features.unit_force()).into());
+        let rest = features.equilibrium.equilibrium(&(0.5 * force / features.unit_force()).into());
         rest.rotation.to_scaled_axis().length().to_degrees()
     };
     assert!(turned(8.0) < 1e-9, "held: {} degrees", turned(8.0));
@@ -122,7 +128,7 @@ fn friction_within_a_small_contact_resists_spinning() {
     let graph = Arc::new(graph(&model));
     for (grasp, turned) in [(1, [-0.159, -0.432, -2.902]), (9, [0.190, -0.278, 4.976]), (10, [-0.229, -0.261, 2.914])] {
         let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, poses[grasp]).unwrap());
-        let rest = features.equilibrium.rest(&(1.5 / features.unit_force()).into());
+        let rest = features.equilibrium.equilibrium(&(1.5 / features.unit_force()).into());
         let off = rest.rotation.to_scaled_axis() * 1_f64.to_degrees() - DVec3::from_array(turned);
         assert!(off.x.abs() < 0.5, "grasp {grasp} spins by {} degrees more than it should", off.x);
         let all = DVec3::from_array(turned).length();
@@ -166,7 +172,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
             }
             let (load, force) = (loads.load[level], loads.load[level].force);
             let Wrench { force: weight, torque } =
-                features.equilibrium.load_about_midpoint(&features.equilibrium.rest(&load), &load);
+                features.equilibrium.load_about_midpoint(&features.equilibrium.equilibrium(&load), &load);
             assert_eq!(weight != DVec3::ZERO, scene != SCENE);
             assert!((sum - weight).length() < 1e-4 * force, "the pads carry {sum} E t2 of {weight}, closed by {force}");
             // Torsional friction about the closing axis is limited.
@@ -182,11 +188,11 @@ fn hats_share_out_their_force_and_give_alike_to_each_other() {
     let graph = &MADE.1;
     let basis = &graph.basis;
     assert!(basis.count() < graph.face.len(), "basis stand on corners, not in the middle of edges");
-    for part in &basis.parts {
+    for part in &basis.node_weights {
         assert!((part.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "a function spreads all of its force");
     }
     let forces: Vec<DVec3> = graph.rest.iter().map(|x| DVec3::new(x.x, 1e-3, -x.y)).collect();
-    let [nodes, corners] = [&forces, &basis.gathered(&forces)].map(|all| all.iter().sum::<DVec3>());
+    let [nodes, corners] = [&forces, &basis.corner_forces(&forces)].map(|all| all.iter().sum::<DVec3>());
     assert!(nodes.distance(corners) < 1e-12, "corners carry {corners} N of {nodes} N");
     for (a, b) in [(0, 1), (0, basis.count() / 2), (basis.count() / 3, basis.count() - 1)] {
         for (k, c) in [(0, 0), (2, 2), (0, 2), (1, 2)] {
@@ -204,18 +210,24 @@ fn basis_functions_that_press_evenly_give_as_the_response_does() {
     for (element, (_, graph)) in ["Linear", "Quadratic"].into_iter().zip(&*BOXES) {
         let basis = &graph.basis;
         // Force of each function under uniform pressure, from half of the area of its first node and its weight there.
-        let even: Vec<DVec3> =
-            basis.parts.iter().map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1)).collect();
+        let even: Vec<DVec3> = basis
+            .node_weights
+            .iter()
+            .map(|part| DVec3::Z * (0.5 * graph.area[part[0].0 as usize] / part[0].1))
+            .collect();
         let mut alone = vec![DVec3::ZERO; basis.count()];
         let middle = basis.count() / 2;
         alone[middle] = even[middle];
         // Work of the forces in the basis relative to that in the response itself, minus one; the work does not depend
         // on the skew part.
         let softer = |forces: &[DVec3]| {
-            let nodes = graph.compliance.on_face(&graph.face, &[basis.on_face(forces, graph.face.len())]).remove(0);
+            let nodes = graph
+                .compliance
+                .face_displacements(&graph.face, &[basis.face_forces(forces, graph.face.len())])
+                .remove(0);
             let mean = |part: &Vec<(u32, f64)>| part.iter().map(|(i, w)| nodes[*i as usize] * *w).sum::<DVec3>();
             let work = |moved: &[DVec3]| forces.iter().zip(moved).map(|(f, u)| f.dot(*u)).sum::<f64>();
-            work(&basis.respond(forces)) / work(&basis.parts.iter().map(mean).collect::<Vec<_>>()) - 1.0
+            work(&basis.displacements(forces)) / work(&basis.node_weights.iter().map(mean).collect::<Vec<_>>()) - 1.0
         };
         assert!(softer(&even).abs() < 1e-4, "{element}: softer by {} under an even pressure", softer(&even));
         assert!(softer(&alone) > 0.1, "{element}: softer by {} under one function", softer(&alone));
@@ -285,11 +297,11 @@ fn the_response_of_the_refined_pad_is_softer_under_its_force() {
 fn dragged(graph: &PadGraph, slip: f64) -> Vec<ContactNode> {
     let t = graph.thickness;
     let touching = |(x, node, area): (DVec3, u32, f64)| {
-        let pressed = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
-        let dragged = if pressed > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
-        let push = 2.0 * pressed.max(0.0);
+        let prescribed_depth = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
+        let prescribed_sliding = if prescribed_depth > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
+        let push = 2.0 * prescribed_depth.max(0.0);
         let force = (DVec3::NEG_Z * push + DVec3::X * FRICTION * slip * push) * area;
-        ContactNode { node: node as usize, normal: DVec3::NEG_Z, pressed, dragged, force }
+        ContactNode { node: node as usize, normal: DVec3::NEG_Z, prescribed_depth, prescribed_sliding, force }
     };
     let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
     nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect()
@@ -309,9 +321,9 @@ fn projected_forces_push_only_and_keep_their_sum() {
     assert!(forces.iter().all(|f| f.z <= 0.0), "a pad never pulls");
     // Along the normal, nodes in contact conform to the object better than at the start.
     let lacks = |forces: &[DVec3]| {
-        let u = compliance.on_face(&graph.face, &[forces.to_vec()]).remove(0);
+        let u = compliance.face_displacements(&graph.face, &[forces.to_vec()]).remove(0);
         let touching: Vec<f64> =
-            (0..face.len()).filter(|i| forces[*i].z < 0.0).map(|i| face[i].pressed + u[i].z).collect();
+            (0..face.len()).filter(|i| forces[*i].z < 0.0).map(|i| face[i].prescribed_depth + u[i].z).collect();
         let mean = touching.iter().sum::<f64>() / touching.len() as f64;
         (touching.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / touching.len() as f64).sqrt()
     };

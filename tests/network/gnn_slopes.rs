@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use tactus::geometry::Pose;
-use tactus::net::SHIPPED;
+use tactus::net::DEFAULT_MODEL;
+use tactus::net::infer::input_derivatives::{DerivativeDirection, GraspParameters, SceneInputs};
 use tactus::net::infer::inputs::Array;
-use tactus::net::infer::slopes::{Grip, GripChange, SceneInputs};
 use tactus::scene::from_ron;
 
 const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 2.9e-3)),
@@ -13,11 +13,11 @@ const SCENE: &str = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: Gel
 const REACH: f64 = 0.1;
 
 /// Returns the inputs for a ball between the fingers, which close along x, and their derivative along `change`.
-fn ball(change: GripChange) -> [Vec<Array<f32>>; 2] {
-    let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
-    let (force, friction) = inputs.usual();
+fn ball(change: DerivativeDirection) -> [Vec<Array<f32>>; 2] {
+    let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), DEFAULT_MODEL.as_ref(), false).unwrap();
+    let (force, friction) = inputs.scene_forces_and_friction();
     let pose = Pose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
-    inputs.grasps(&[Grip { pose, force, friction }], &[change]).unwrap().remove(0).unwrap()
+    inputs.grasps(&[GraspParameters { pose, force, friction }], &[change]).unwrap().remove(0).unwrap()
 }
 
 fn named<'a>(arrays: &'a [Array<f32>], name: &str) -> &'a [f32] {
@@ -31,20 +31,20 @@ fn norm(a: &[f32], by: f64, b: &[f32]) -> f64 {
 
 #[test]
 fn the_pressing_force_grows_with_the_force_alone() {
-    let [inputs, slopes] = ball(GripChange::Force);
+    let [inputs, slopes] = ball(DerivativeDirection::Force);
     let pressing = named(&inputs, "pressing_n");
     assert_eq!(pressing.len(), 4, "two loads, two pads");
     let off = norm(named(&slopes, "pressing_n"), -1.0, pressing) / norm(pressing, 0.0, pressing);
     // Rounding error of f32 over the finite-difference step.
     assert!(off < 4e-4, "{off} of the force");
     assert!(named(&slopes, "node").iter().all(|slope| *slope == 0.0), "first contact knows no force");
-    let [_, slopes] = ball(GripChange::Friction);
+    let [_, slopes] = ball(DerivativeDirection::Friction);
     assert!(named(&slopes, "pressing_n").iter().all(|slope| *slope == 0.0));
 }
 
 #[test]
 fn fingers_center_a_free_ball_and_a_turn_of_the_hand_carries_the_pads_along() {
-    let slopes = [GripChange::Position(0), GripChange::Position(1), GripChange::Rotation(0)]
+    let slopes = [DerivativeDirection::Position(0), DerivativeDirection::Position(1), DerivativeDirection::Rotation(0)]
         .map(|change| ball(change)[1].clone());
     for name in ["node", "node_load", "pad_load"] {
         let [closing, across, turned] = slopes.each_ref().map(|slopes| named(slopes, name));
@@ -59,18 +59,18 @@ fn fingers_center_a_free_ball_and_a_turn_of_the_hand_carries_the_pads_along() {
 
 #[test]
 fn grasps_that_cannot_be_looked_at_say_why() {
-    let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), SHIPPED.as_ref(), false).unwrap();
-    let (force, friction) = inputs.usual();
+    let inputs = SceneInputs::new(&from_ron(SCENE).unwrap(), DEFAULT_MODEL.as_ref(), false).unwrap();
+    let (force, friction) = inputs.scene_forces_and_friction();
     let pose = Pose { position: DVec3::NEG_Z * REACH, rotation: DQuat::IDENTITY };
-    let usual = Grip { pose, force, friction };
+    let usual = GraspParameters { pose, force, friction };
     let far = Pose { position: DVec3::Z * 10.0, ..pose };
     let grips = [
-        (Grip { force: vec![-1.0], ..usual.clone() }, "a force of -1 N"),
-        (Grip { friction: f64::NAN, ..usual.clone() }, "a friction of NaN"),
-        (Grip { friction: 3.0, ..usual.clone() }, "friction is 3, the training range is"),
-        (Grip { pose: far, ..usual.clone() }, ""),
+        (GraspParameters { force: vec![-1.0], ..usual.clone() }, "a force of -1 N"),
+        (GraspParameters { friction: f64::NAN, ..usual.clone() }, "a friction of NaN"),
+        (GraspParameters { friction: 3.0, ..usual.clone() }, "friction is 3, the training range is"),
+        (GraspParameters { pose: far, ..usual.clone() }, ""),
     ];
-    let all: Vec<Grip> = grips.iter().map(|(grip, _)| grip.clone()).collect();
+    let all: Vec<GraspParameters> = grips.iter().map(|(grip, _)| grip.clone()).collect();
     for (answer, (_, why)) in inputs.grasps(&all, &[]).unwrap().into_iter().zip(&grips) {
         let said = answer.unwrap_err().to_string();
         assert!(said.contains(why), "{said}");

@@ -18,7 +18,7 @@ use tactus::net::network::spec::Spec;
 use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
 use tactus::net::train::loss::LossValue;
 use tactus::net::train::sample::{Sample, model_of};
-use tactus::net::train::{data, pass};
+use tactus::net::train::{data, sample_loss};
 use tactus::scene::from_ron;
 
 /// A network with its loss on one grasp.
@@ -44,7 +44,7 @@ impl Case {
     ) -> LossValue<E, T> {
         let (features, normalisers) = (&self.sample.features, &self.norms);
         let inputs = Inputs { features, normalisers, mirror: (true, false), tape };
-        pass(network, parameters, &inputs, &self.spec.training, &self.sample)
+        sample_loss(network, parameters, &inputs, &self.spec.training, &self.sample)
     }
 
     /// Returns the network with perturbed initial parameters; zero biases would put some ReLUs exactly at their kink.
@@ -227,7 +227,7 @@ fn what_training_never_showed_is_held_at_the_edge_of_what_it_did() {
         assert_eq!(apply(&norm, row, false), mirrored(row), "in a mirror as without");
     }
     let beside = [5.0, 0.0];
-    let wider = norm.clone().reaching(std::iter::once(beside.as_slice()), &parity);
+    let wider = norm.clone().with_bounds_of(std::iter::once(beside.as_slice()), &parity);
     assert_eq!(apply(&wider, [1.0, 4.0], false), apply(&norm, [1.0, 4.0], false), "only the bounds differ");
     assert!(apply(&wider, [5.0, 0.0], false)[0] > apply(&norm, [5.0, 0.0], false)[0]);
     let mut engine = [0.0; 3];

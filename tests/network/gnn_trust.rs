@@ -27,10 +27,10 @@ fn outside_the_range_of_the_training_the_error_is_unknown() {
     let predictor = Predictor::open(&made().sure).unwrap();
     for (friction, within) in [("friction: 0.8", true), ("friction: 0.9", false), ("friction: 0.0", false)] {
         let model = Model::build(&scene(None, ("friction: 0.8", friction))).unwrap();
-        assert_eq!(predictor.admit(&model, false).is_ok(), within);
-        let graph = predictor.admit(&model, true).unwrap();
+        assert_eq!(predictor.graph_if_in_range(&model, false).is_ok(), within);
+        let graph = predictor.graph_if_in_range(&model, true).unwrap();
         let touch = GeometricContact::find(&model, ball(made()).1).unwrap();
-        let seen = predictor.look(&model, &graph, &touch);
+        let seen = predictor.encode_first_contact(&model, &graph, &touch);
         let known = |force: f64| predictor.at(&seen, force).unwrap().error.is_known();
         assert_eq!(known(0.7), within, "{friction}");
         assert!(!known(0.1) && !known(3.0), "forces that it was not trained for");
@@ -62,13 +62,13 @@ fn only_the_frames_outside_the_range_are_refused() {
     assert!(note.contains("frame 0 (0.3000 N per finger) and frame 3 (1.2000 N per finger) lie outside"), "{note}");
 
     let predictor = Predictor::open(&made().sure).unwrap();
-    let many = predictor.many(&model, &[ball(made()).1], false).unwrap().remove(0).unwrap();
-    assert_eq!(many.ramp.len(), 2);
-    let forces: Vec<f64> = predictor.answered(&model, false).iter().map(|(_, load)| load.force).collect();
+    let many = predictor.predict_batch(&model, &[ball(made()).1], false).unwrap().remove(0).unwrap();
+    assert_eq!(many.interpolation.len(), 2);
+    let forces: Vec<f64> = predictor.answerable_loads(&model, false).iter().map(|(_, load)| load.force).collect();
     assert!(forces.iter().zip([0.6, 0.9]).all(|(a, b)| (a - b).abs() < 1e-12), "{forces:?} N");
     // With all frames outside the range the scene is refused.
     let beyond = Model::build(&scene(None, ("force: 2.0", "force: 9.0"))).unwrap();
-    let refused = predictor.many(&beyond, &[ball(made()).1], false).unwrap_err().to_string();
+    let refused = predictor.predict_batch(&beyond, &[ball(made()).1], false).unwrap_err().to_string();
     assert!(refused.contains("outside the training range"), "{refused}");
 }
 
@@ -80,8 +80,11 @@ fn a_network_trained_on_a_few_grasps_states_no_error() {
     assert!(made().notes.contains(note), "{}", made().notes);
     let (model, pose) = ball(made());
     assert!(predictor.notices(&model, false).iter().any(|notice| notice.contains(note)));
-    let seen =
-        predictor.look(&model, &predictor.graph(&model).unwrap(), &GeometricContact::find(&model, pose).unwrap());
+    let seen = predictor.encode_first_contact(
+        &model,
+        &predictor.graph(&model).unwrap(),
+        &GeometricContact::find(&model, pose).unwrap(),
+    );
     assert_eq!(predictor.at(&seen, 0.7).unwrap().error, ErrorBound::UNKNOWN);
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use tactus::model::Model;
 use tactus::scene::load_set;
-use tactus::world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
+use tactus::world::run::expected_time::{EXPECTED_TIME_FACTOR, ExpectedTime};
 
 /// Name and number of Newton iterations of each hard case that reaches its force, from `docs/results.md`.
 fn measured() -> Vec<(String, f64)> {
@@ -15,7 +15,7 @@ fn measured() -> Vec<(String, f64)> {
 }
 
 /// In at least seven of eight hard cases the predicted number of iterations is right to within the factor
-/// [`EXPECTED_WITHIN`].
+/// [`EXPECTED_TIME_FACTOR`].
 #[test]
 fn hard_cases_take_the_iterations_that_are_expected() {
     let (mut all, mut off) = (0, Vec::new());
@@ -26,7 +26,7 @@ fn hard_cases_take_the_iterations_that_are_expected() {
         let expected = ExpectedTime::of(&scene, &Model::build(&scene).unwrap(), 1, 1).iterations;
         let factor = (iterations / expected).max(expected / iterations);
         all += 1;
-        if factor > f64::from(EXPECTED_WITHIN) {
+        if factor > f64::from(EXPECTED_TIME_FACTOR) {
             off.push(format!("{name}: {iterations} iterations, expected {expected}"));
         }
     }

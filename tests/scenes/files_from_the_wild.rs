@@ -13,7 +13,7 @@ use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::model::Model;
 use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
-use tactus::net::network::card::Trained;
+use tactus::net::network::card::StoredModel;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
 /// Size of the block of gel in all mesh files, m.
@@ -1059,10 +1059,10 @@ fn models_of_former_versions_name_their_successor() {
         "(tactus: \"0.1.0\", features: 2, spec: (layers: 3), data: \"x\", best: true)",
     )
     .unwrap();
-    let error = Trained::read(&model).unwrap_err().to_string();
+    let error = StoredModel::read(&model).unwrap_err().to_string();
     for says in ["trained by tactus 0.1.0", "feature version 2", "`tactus train`", "built-in network: universe"] {
         assert!(error.contains(says), "`{says}` is not in: {error}");
     }
-    let error = Trained::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();
+    let error = StoredModel::read(&dir.path().join("gelsight_mini")).unwrap_err().to_string();
     assert!(error.contains("is a network of version 0.1") && error.contains("universe"), "{error}");
 }

@@ -11,7 +11,7 @@ use mech::path::grasp_place::GraspLimits;
 use mech::path::{Advanced, Load};
 use model::push::FIRST_PART;
 use model::{DropLimits, Model};
-use world::schedule::{StepLoad, Stop};
+use world::schedule::{EarlyTermination, StepLoad};
 
 /// Number of steps in which the weight of an object passes from its support to the fingers.
 const WEIGHT_STEPS: u32 = 4;
@@ -27,15 +27,15 @@ const SLIDES: f64 = 0.99;
 /// Reason why a level was not reached.
 enum Refusal {
     /// No equilibrium exists, or the effort is exhausted.
-    Final(Stop),
+    Final(EarlyTermination),
     /// No equilibrium was found, though one may exist.
-    Unfound(Stop),
+    Unfound(EarlyTermination),
     /// Condensed pads cannot reach the level.
-    Condensed(Stop),
+    Condensed(EarlyTermination),
 }
 
 impl Refusal {
-    fn stop(self) -> Stop {
+    fn stop(self) -> EarlyTermination {
         let (Refusal::Final(stop) | Refusal::Unfound(stop) | Refusal::Condensed(stop)) = self;
         stop
     }
@@ -46,7 +46,7 @@ impl GraspSolver {
     ///
     /// # Errors
     /// Returns the cause of the stop, for the record; the state is then the last accepted one.
-    pub fn advance(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, Stop> {
+    pub fn advance(&mut self, model: &Model, target: StepLoad) -> std::result::Result<Advanced, EarlyTermination> {
         self.steps += 1;
         let (each, steps) = (self.settings().max_iterations.get() as u32, model.levels.len().max(self.steps));
         let agent = model.needs.task && self.progress.started;
@@ -66,7 +66,7 @@ impl GraspSolver {
         self.path.restore(stuck);
         self.path.methods.whole += 1;
         self.progress = progress;
-        self.release(model).map_err(Stop::fault)?;
+        self.release(model).map_err(EarlyTermination::fault)?;
         self.raise(model, target).map_err(Refusal::stop)
     }
 
@@ -96,13 +96,13 @@ impl GraspSolver {
         };
         if !self.has_no_near_inversion() {
             let reason = format!("{at}: an element of a condensed pad is inverted");
-            return Err(Refusal::Condensed(Stop::fault(reason)));
+            return Err(Refusal::Condensed(EarlyTermination::fault(reason)));
         }
         let slides = push > 0.0 && self.slipping(model) > SLIDES;
         let sliding = || slides.then(|| "the object slips: the whole contact is at the Coulomb limit".to_string());
         if let Some(reason) = self.lost_grip(model).or_else(sliding) {
             self.path.state = before;
-            return Err(Refusal::Final(Stop { dropped: model.free, reason: format!("{at}: {reason}") }));
+            return Err(Refusal::Final(EarlyTermination { dropped: model.free, reason: format!("{at}: {reason}") }));
         }
         self.path.recover();
         Ok(done)
@@ -118,7 +118,7 @@ impl GraspSolver {
 
     /// Makes contact at a force of at most `most` (N per finger), with the object held fixed.
     fn begin(&mut self, model: &Model, most: f64) -> std::result::Result<Advanced, Refusal> {
-        let stuck = |reason| Refusal::Condensed(Stop::fault(reason));
+        let stuck = |reason| Refusal::Condensed(EarlyTermination::fault(reason));
         if !model.force_driven {
             return self.condense(model).map(|()| Advanced::default()).map_err(stuck);
         }
@@ -126,7 +126,7 @@ impl GraspSolver {
         self.hand_over(0.0);
         self.path.tolerance = self.tolerance(model, first);
         self.progress.start = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
-        self.back_off(model).map_err(|reason| Refusal::Final(Stop::fault(reason)))?;
+        self.back_off(model).map_err(|reason| Refusal::Final(EarlyTermination::fault(reason)))?;
         self.condense(model).map_err(stuck)?;
         self.path.newton.object_fixed = model.free;
         let made = self.path.establish(first);
@@ -170,7 +170,7 @@ impl GraspSolver {
                 "{at}: the object slips; at {held:.1} % of the push, {slipping:.0} % of the contact is at the Coulomb \
                  limit"
             );
-            Refusal::Final(Stop { dropped: true, reason })
+            Refusal::Final(EarlyTermination { dropped: true, reason })
         })
     }
 
@@ -199,7 +199,7 @@ impl GraspSolver {
 
     fn refuse(&self, model: &Model, at: &str, failure: Failure) -> Refusal {
         let dropped = model.free && failure.leaves_the_grasp();
-        let stop = Stop { dropped, reason: self.explain(model, at, failure) };
+        let stop = EarlyTermination { dropped, reason: self.explain(model, at, failure) };
         match failure {
             Failure::Corrections(_) | Failure::Singular => Refusal::Condensed(stop),
             Failure::Iterations(_) | Failure::LineSearch(_) | Failure::Unsettled | Failure::Bent(_) => {

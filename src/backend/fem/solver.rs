@@ -20,7 +20,7 @@ use model::part::FingerModel;
 use record::pad_name;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use world::systems::sense::{center, first_contact};
+use world::systems::sense::{center_object, travel_to_contact};
 
 /// Finite element solver of one grasp: accepted state, Newton's method, and condensed pads if selected.
 #[derive(Resource)]
@@ -163,9 +163,9 @@ impl GraspSolver {
         let clearance = 0.5 * model.offset;
         let state = &mut self.path.state;
         for i in 0..model.fingers.len() {
-            state.travel[i] = first_contact(model, i, &pose, clearance)?;
+            state.travel[i] = travel_to_contact(model, i, &pose, clearance)?;
         }
-        state.position += center(model, &mut state.travel);
+        state.position += center_object(model, &mut state.travel);
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use model::Model;
 use world::Stepper;
-use world::schedule::{CurrentGrasp, Shared};
+use world::schedule::{GraspPose, SharedModel};
 use world::spawn::spawn_edges;
 
 /// Finite element backend, with the settings of a scene.
@@ -57,8 +57,8 @@ impl Stepper for FemStepper {
 
     fn prepare(&self, world: &mut World) -> Result<()> {
         let missing = || Error::Start("the world was not created for a grasp".into());
-        let shared = world.get_resource::<Shared>().ok_or_else(missing)?.clone();
-        let grasp = *world.get_resource::<CurrentGrasp>().ok_or_else(missing)?;
+        let shared = world.get_resource::<SharedModel>().ok_or_else(missing)?.clone();
+        let grasp = *world.get_resource::<GraspPose>().ok_or_else(missing)?;
         let pose = grasp.0.inverse();
         world.insert_resource(GraspSolver::new(&shared.0, pose, &self.settings)?);
         world.insert_resource(systems::EdgeReadings::default());
@@ -84,7 +84,7 @@ impl Stepper for FemStepper {
 
     fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let missing = || Error::Start("the world was not prepared for finite elements".into());
-        let model = world.get_resource::<Shared>().ok_or_else(missing)?.0.clone();
+        let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let mut solver = world.remove_resource::<GraspSolver>().ok_or_else(missing)?;
         if let (Some(mut integrator), Some(dynamics)) = (world.get_resource_mut::<Integrator>(), &model.dynamics) {
             integrator.restore_state(&mut solver.path, &model, dynamics, &self.settings, history)?;

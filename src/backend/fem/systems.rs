@@ -12,24 +12,26 @@ use model::Needs;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use world::components::*;
-use world::schedule::{BalanceReport, Next, Phase, Shared, StepLoad, StepReport, StepSet, Timings, ramping, reached};
+use world::schedule::{
+    BalanceReport, NextPhase, Phase, SharedModel, StepLoad, StepReport, StepSet, Timings, computes_frame, reached,
+};
 use world::systems::apart::reject_pad_overlap;
-use world::systems::inversion::inverted;
+use world::systems::inversion::inversion_message;
 use world::systems::measure::measure_balance;
 use world::systems::sense::close_to_contact;
 
 /// Adds the systems to their sets, except those for quantities that the scene does not need.
 pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
-    let sense = (read_state, read_contact).chain().run_if(ramping).after(close_to_contact);
+    let sense = (read_state, read_contact).chain().run_if(computes_frame).after(close_to_contact);
     schedule.add_systems(sense.in_set(StepSet::Sense));
     if needs.task {
-        schedule.add_systems(read_weight.run_if(ramping).after(read_contact).in_set(StepSet::Sense));
+        schedule.add_systems(read_weight.run_if(computes_frame).after(read_contact).in_set(StepSet::Sense));
     }
     if needs.dynamic {
-        schedule.add_systems((advance_time, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+        schedule.add_systems((advance_time, write_state).chain().run_if(computes_frame).in_set(StepSet::Advance));
         schedule.add_systems(measure_motion.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
     } else {
-        schedule.add_systems((advance_level, write_state).chain().run_if(ramping).in_set(StepSet::Advance));
+        schedule.add_systems((advance_level, write_state).chain().run_if(computes_frame).in_set(StepSet::Advance));
     }
     if needs.ground {
         let ground = measure_ground.run_if(reached).after(read_edges).before(measure_balance);
@@ -41,7 +43,7 @@ pub fn register(schedule: &mut Schedule, needs: &Needs, force_driven: bool) {
     if needs.friction {
         schedule.add_systems(write_friction.run_if(reached).after(read_edges).in_set(StepSet::Measure));
     }
-    schedule.add_systems(report_timings.run_if(ramping).in_set(StepSet::Measure));
+    schedule.add_systems(report_timings.run_if(computes_frame).in_set(StepSet::Measure));
     if !force_driven && !needs.dynamic {
         schedule.add_systems(measure_reaction.run_if(reached).before(measure_balance).in_set(StepSet::Measure));
     }
@@ -102,11 +104,11 @@ pub fn read_weight(mut solver: ResMut<GraspSolver>, weight: Single<&ObjectWeight
 /// Advances one load level; on failure the state is the last accepted one and the grasp ends.
 pub fn advance_level(
     mut solver: ResMut<GraspSolver>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
     mut balance: ResMut<BalanceReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
 ) {
     match solver.advance(&shared.0, *load) {
         Ok(done) => {
@@ -186,7 +188,7 @@ pub fn write_friction(edges: Res<EdgeReadings>, pool: Query<(&FingerIndex, &mut 
 
 /// Measures the wrench on every pad: the sum over its contact edges, in their order.
 pub fn measure_wrench(
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     pool: Query<(&FingerIndex, &ContactEdge)>,
     mut fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &mut FingerWrench)>,
 ) {
@@ -211,7 +213,7 @@ pub fn measure_wrench(
 /// closing direction, without the gel's own weight.
 pub fn measure_reaction(
     solver: Res<GraspSolver>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut fingers: Query<(&FingerIndex, &ClosingDirection, &mut FingerForce)>,
 ) {
     for (finger, closing, mut force) in &mut fingers {
@@ -266,10 +268,10 @@ pub fn measure_stress(
 /// Measures the smallest det F. Ends the grasp with a fault, without recording the frame, if an element is inverted.
 pub fn refuse_inversion(
     solver: Res<GraspSolver>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
 ) {
     let x = &solver.path.state.x;
     let smallest: Vec<f64> = x.par_iter().enumerate().map(|(i, x)| solver.body(i).min_det_f(x)).collect();
@@ -277,7 +279,9 @@ pub fn refuse_inversion(
     if report.min_det_f <= 0.0 {
         report.reached = false;
         let x: Vec<_> = x.iter().map(|x| &x[..]).collect();
-        next.request(Phase::Fault { reason: format!("at load {:.4e}: {}", load.level, inverted(&shared.0, &x)) });
+        next.request(Phase::Fault {
+            reason: format!("at load {:.4e}: {}", load.level, inversion_message(&shared.0, &x)),
+        });
     }
 }
 

@@ -1,8 +1,8 @@
 //! Number and error of the grasps that the network keeps under a bound on its predicted error; the others fall back to
 //! finite elements.
 
-use super::Judged;
-use crate::eval::table::FROM_LOAD;
+use super::GraspEvaluation;
+use crate::eval::table::MIN_LOAD_FRACTION;
 use base::stats::Spread;
 use serde::Serialize;
 
@@ -17,23 +17,23 @@ pub struct Acceptance {
     /// Fraction of the grasps that the network keeps: those whose prediction interval is within the bound in all
     /// frames.
     pub kept: f64,
-    /// Median relative error of their displacement, from [`FROM_LOAD`] on; zero if there are none.
+    /// Median relative error of their displacement, from [`MIN_LOAD_FRACTION`] on; zero if there are none.
     pub median: f64,
-    /// Largest relative error of their displacement, from [`FROM_LOAD`] on; zero if there are none.
+    /// Largest relative error of their displacement, from [`MIN_LOAD_FRACTION`] on; zero if there are none.
     pub worst: f64,
 }
 
 /// Returns the outcome of several bounds; empty if no grasp has a prediction interval.
-pub fn acceptances(judged: &[Judged]) -> Vec<Acceptance> {
-    let widest = |j: &Judged| j.frames.iter().map(|frame| frame.bound.displacement).fold(0.0, f64::max);
+pub fn acceptances(judged: &[GraspEvaluation]) -> Vec<Acceptance> {
+    let widest = |j: &GraspEvaluation| j.frames.iter().map(|frame| frame.bound.displacement).fold(0.0, f64::max);
     let widest: Vec<f64> = judged.iter().map(widest).collect();
     if !widest.iter().any(|end| end.is_finite()) {
         return Vec::new();
     }
     let of = |error_at_most: f64| {
-        let kept: Vec<&Judged> =
+        let kept: Vec<&GraspEvaluation> =
             judged.iter().zip(&widest).filter(|(_, end)| **end <= error_at_most).map(|(j, _)| j).collect();
-        let frames = kept.iter().flat_map(|j| &j.frames).filter(|frame| frame.load >= FROM_LOAD - 1e-9);
+        let frames = kept.iter().flat_map(|j| &j.frames).filter(|frame| frame.load >= MIN_LOAD_FRACTION - 1e-9);
         let spread = Spread::of(frames.map(|frame| frame.displacement));
         Acceptance {
             error_at_most,

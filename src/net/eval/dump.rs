@@ -6,7 +6,7 @@
 //! [`crate::network::NetworkOutput`].
 
 use crate::autodiff::tensor::{Matrix, NoneTape, values};
-use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::infer::inputs::{Array, grasp_inputs, pad_inputs};
 use crate::infer::predict::Predictor;
 use crate::matrix::Sparse;
@@ -58,7 +58,14 @@ impl Arrays {
     }
 
     /// Adds the inputs of the paper's network.
-    fn paper(&mut self, inputs: &Inputs, sample: &Sample, volume: &Volume, norms: &VolumeNormalisers, sizes: &Paper) {
+    fn paper(
+        &mut self,
+        inputs: &Inputs,
+        sample: &Sample,
+        volume: &VolumeGraph,
+        norms: &VolumeNormalisers,
+        sizes: &Paper,
+    ) {
         // The weights, which all rounds share, do not contain the number of rounds.
         self.array("rounds", (1, 1), vec![sizes.rounds.get() as f32]);
         let contact: Vec<f32> = sample.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();

@@ -1,9 +1,9 @@
 //! Truth and prediction of a grasp of a data set, as frames in hand axes.
 
+use crate::infer::contact_correction::object_pose;
 use crate::infer::predict::{PadState, Predictor};
-use crate::infer::touch::object_at;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use base::error::Result;
 use dataset::inspect::frame;
 use dataset::{ObjectFile, StoredGrasp};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// Fails if first contact cannot be found, or if predicted numbers are not finite.
-pub fn both(
+pub fn reference_and_prediction(
     file: &ObjectFile,
     model: &Arc<Model>,
     predictor: &Predictor,
@@ -27,15 +27,15 @@ pub fn both(
     wanted: &[usize],
 ) -> Result<[Vec<Frame>; 2]> {
     let touch = GeometricContact::find(model, Pose::from_row(&grasp.grasp_pose))?;
-    let seen = predictor.look(model, &predictor.graph(model)?, &touch);
-    let all = loads_of(model);
+    let encoded = predictor.encode_first_contact(model, &predictor.graph(model)?, &touch);
+    let all = frame_loads(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
-    let states = predictor.states(&seen, &wanted.iter().map(applied).collect::<Vec<_>>())?;
+    let states = predictor.states(&encoded, &wanted.iter().map(applied).collect::<Vec<_>>())?;
     let truth: Vec<Frame> = wanted.iter().map(|k| frame(file, grasp, *k)).collect();
     let predicted = truth
         .iter()
         .zip(&states)
-        .map(|(truth, states)| predicted(file, truth, grasp, &states.pads, object_at(model, &touch, &states.pads)));
+        .map(|(truth, states)| predicted(file, truth, grasp, &states.pads, object_pose(model, &touch, &states.pads)));
     let predicted = predicted.collect();
     Ok([truth, predicted])
 }

@@ -4,13 +4,13 @@ pub mod acceptance;
 pub mod dump;
 pub mod frames;
 pub mod picture;
-pub mod rank;
+pub mod rank_correlation;
 pub mod table;
 
 use super::infer::predict::Predictor;
 use super::train::data;
 pub use super::train::frame_error::FrameError;
-use super::train::frame_error::{frame_error, truth};
+use super::train::frame_error::{frame_error, reference_fields};
 use super::train::sample::Sample;
 use crate::linear_response::pad_graph::mesh_hash;
 use base::error::Result;
@@ -32,7 +32,7 @@ pub struct Peak {
 
 /// Evaluation of one grasp.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub struct GraspEvaluation {
     /// Errors, one entry per frame.
     pub frames: Vec<FrameError>,
     /// Truth and prediction at the last frame.
@@ -45,21 +45,21 @@ pub struct Judged {
 ///
 /// # Errors
 /// Fails if data cannot be read or, without `extrapolate`, if pad or gel law is outside the range of the training.
-pub fn judge(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Judged>> {
+pub fn evaluate(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<GraspEvaluation>> {
     let samples = test_grasps(set, predictor, split, extrapolate)?;
-    samples.par_iter().map(|sample| interrupt::check().and_then(|()| judge_grasp(predictor, sample))).collect()
+    samples.par_iter().map(|sample| interrupt::check().and_then(|()| evaluate_grasp(predictor, sample))).collect()
 }
 
 /// Reads the test grasps of `split`.
 ///
 /// # Errors
-/// Fails in the cases of [`judge`].
+/// Fails in the cases of [`evaluate`].
 pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: bool) -> Result<Vec<Sample>> {
     let poses = data::split(&[&set.splits], split)?.remove(0).test;
     if !extrapolate {
         for object in &set.objects {
             object.needs_alike("a network")?;
-            predictor.card.range.admits_pad(&object.pads[0], &mesh_hash(&object.pads[0]))?;
+            predictor.card.range.check_pad(&object.pads[0], &mesh_hash(&object.pads[0]))?;
         }
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
@@ -70,22 +70,22 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     Ok(samples)
 }
 
-fn judge_grasp(predictor: &Predictor, sample: &Sample) -> Result<Judged> {
+fn evaluate_grasp(predictor: &Predictor, sample: &Sample) -> Result<GraspEvaluation> {
     let clock = Instant::now();
-    let seen = predictor.encode(sample.features.clone());
+    let encoded = predictor.encode(sample.features.clone());
     let encode = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let states = predictor.states(&seen, &sample.given)?;
+    let states = predictor.states(&encoded, &sample.grasp_loads)?;
     let time_s = [encode, clock.elapsed().as_secs_f64()];
     let frames: Vec<FrameError> = states.iter().enumerate().map(|(k, s)| frame_error(sample, k, s)).collect();
     let truth = |k: usize| {
-        let (u, s) = truth(sample, k);
+        let (u, s) = reference_fields(sample, k);
         peak(u.iter(), s.iter())
     };
     let last = states.len() - 1;
     let own = &states[last];
     let predicted = peak(own.pads.iter().flat_map(|p| &p.displacement), own.pads.iter().flat_map(|p| &p.stress));
-    Ok(Judged { frames, peaks: [truth(last), predicted], time_s })
+    Ok(GraspEvaluation { frames, peaks: [truth(last), predicted], time_s })
 }
 
 fn peak<'a>(u: impl Iterator<Item = &'a DVec3>, s: impl Iterator<Item = &'a f64>) -> Peak {

@@ -1,7 +1,7 @@
 //! Medians, 90th percentiles and worst values of the errors, over all frames and by object, load and frame.
 
-use super::{FrameError, Judged};
-use crate::eval::rank::kendall;
+use super::{FrameError, GraspEvaluation};
+use crate::eval::rank_correlation::kendall;
 use base::stats::Spread;
 use record::ErrorBound;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Fraction of the last force below which frames are excluded from the groups `all` and `object`: deformation is almost
 /// zero there, so that relative errors are meaningless.
-pub const FROM_LOAD: f64 = 0.2;
+pub const MIN_LOAD_FRACTION: f64 = 0.2;
 
 /// Error of one quantity over one group of frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,16 +51,16 @@ const QUANTITIES: [Quantity; 11] = [
     ("object_deg", |e| e.object_deg, |_| None),
 ];
 
-/// Group of all frames from [`FROM_LOAD`] on.
+/// Group of all frames from [`MIN_LOAD_FRACTION`] on.
 pub const ALL: &str = "all";
 
 /// Returns all rows of a split.
-pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
+pub fn rows(split: &str, judged: &[GraspEvaluation]) -> Vec<ErrorRow> {
     let frames: Vec<&FrameError> = judged.iter().flat_map(|j| &j.frames).collect();
     let mut groups: BTreeMap<(u8, String), Vec<&FrameError>> = BTreeMap::new();
     for frame in frames {
         let fifth = ((frame.load * 5.0 - 1e-9).floor() as usize).min(4);
-        let loaded = frame.load >= FROM_LOAD - 1e-9;
+        let loaded = frame.load >= MIN_LOAD_FRACTION - 1e-9;
         let names = [
             loaded.then(|| (0, ALL.to_string())),
             loaded.then(|| (1, format!("object {}", frame.object))),
@@ -94,7 +94,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
 
 /// Returns Kendall's tau between truth and prediction, of the grasps ranked by peak stress and by peak displacement of
 /// their last frame.
-pub fn ranks(judged: &[Judged]) -> (f64, f64) {
+pub fn ranks(judged: &[GraspEvaluation]) -> (f64, f64) {
     let list =
         |which: usize, pick: fn(&super::Peak) -> f64| judged.iter().map(|j| pick(&j.peaks[which])).collect::<Vec<_>>();
     let tau = |pick: fn(&super::Peak) -> f64| kendall(&list(0, pick), &list(1, pick));

@@ -14,11 +14,11 @@ pub mod range;
 mod sub_element;
 pub mod volume;
 
-use self::object_query::View;
+use self::object_query::ObjectQuery;
 use self::parity::Parity::{Even, X, Y};
 pub use self::parity::{Parity, ROTATION, VECTOR};
-use self::sub_element::Nearest;
-use self::volume::Volume;
+use self::sub_element::SmallestGap;
+use self::volume::VolumeGraph;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{Layout, PadGraph};
 use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
@@ -47,9 +47,9 @@ pub const PAD: [Parity; 9] = [Even, Even, X, Y, Even, Even, Even, Even, Even];
 /// Depths by which the undeformed pad is moved into the object, over its thickness.
 const DEPTHS: [f64; 3] = [0.0, 0.25, 0.6];
 /// Largest distance to the rim, over the thickness; larger ones are clamped.
-const INSIDE: f64 = 1.5;
+const MAX_RIM_DISTANCE: f64 = 1.5;
 /// Largest gap, over the thickness; larger ones are clamped.
-const FAR: f64 = 2.5;
+const MAX_GAP: f64 = 2.5;
 /// Decay lengths of the gap, over the thickness.
 const DECAY_LENGTHS: [f64; 3] = [0.05, 0.2, 0.8];
 
@@ -71,10 +71,10 @@ pub struct GraspFeatures {
     /// The same, weighted also by proximity to the object.
     pub near: Arc<Sparse>,
     /// Graph of the full pads and the object, for a network that passes messages there.
-    pub volume: Option<Arc<Volume>>,
+    pub volume: Option<Arc<VolumeGraph>>,
     /// Model of the grasp.
     pub model: Arc<Model>,
-    pub(crate) touch: GeometricContact,
+    pub(crate) first_contact: GeometricContact,
     /// Young's modulus, Pa.
     pub young: f64,
     /// Equilibrium of the rigid object between linearly elastic pads.
@@ -93,25 +93,25 @@ impl GraspFeatures {
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
         for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
-            let view = View::new(model, touch, placement, *travel);
-            let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.of_pad(*x), FAR * t) / t).collect();
-            let nearest = sub_element::nearest(&view, graph, &own);
+            let view = ObjectQuery::new(model, touch, placement, *travel);
+            let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.pad_to_object(*x), MAX_GAP * t) / t).collect();
+            let nearest = sub_element::smallest_gaps(&view, graph, &own);
             for (i, (x, gap)) in graph.rest.iter().zip(&own).enumerate() {
-                let (at, gap) = (view.of_pad(*x), *gap);
-                let normal = view.look(at + view.closing * (gap.min(FAR) * t)).1;
-                let normal = if gap < FAR { normal } else { DVec3::ZERO };
+                let (at, gap) = (view.pad_to_object(*x), *gap);
+                let normal = view.distance_and_normal(at + view.closing * (gap.min(MAX_GAP) * t)).1;
+                let normal = if gap < MAX_GAP { normal } else { DVec3::ZERO };
                 let mut row = vec![x.x / t, x.y / t, gap];
                 row.extend(DECAY_LENGTHS.map(|f| (-gap / f).exp()));
                 row.extend(normal.to_array());
                 for depth in DEPTHS {
-                    let (distance, normal) = view.look(at + view.closing * (depth * t));
-                    row.push((distance / t).min(FAR));
+                    let (distance, normal) = view.distance_and_normal(at + view.closing * (depth * t));
+                    row.push((distance / t).min(MAX_GAP));
                     row.extend(normal.to_array());
                 }
                 row.extend([x.z / t, area[i].sqrt()]);
                 let (distance, way) = graph.to_rim[i];
-                row.extend([way.x, way.y, distance].map(|v| (v / t).clamp(-INSIDE, INSIDE)));
-                let Nearest { gap: least, offset } = nearest[i];
+                row.extend([way.x, way.y, distance].map(|v| (v / t).clamp(-MAX_RIM_DISTANCE, MAX_RIM_DISTANCE)));
+                let SmallestGap { gap: least, offset } = nearest[i];
                 let fade = |gap: f64, f: f64| (-gap.max(0.0) / f).exp();
                 row.extend([
                     gap - least,
@@ -124,7 +124,7 @@ impl GraspFeatures {
             }
             let weight = placement.rotation.transpose() * touch.weight / (moduli.young * t * t);
             pad.extend([moduli.poisson, model.friction, weight.x, weight.y, weight.z].map(|v| v as f32));
-            let size = (graph.ends[1] - graph.ends[0]) / t;
+            let size = (graph.bounds[1] - graph.bounds[0]) / t;
             let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
             gaps.push(own);
@@ -140,14 +140,14 @@ impl GraspFeatures {
         Self {
             mean: pool(&|_, i| area[i]),
             near: pool(&|p, i| area[i] * (-gaps[p][i] / DECAY_LENGTHS[1]).exp()),
-            volume: (graph.layout == Layout::Volume).then(|| Arc::new(Volume::new(model, graph, touch))),
+            volume: (graph.layout == Layout::Volume).then(|| Arc::new(VolumeGraph::new(model, graph, touch))),
             graph: graph.clone(),
             pads,
             node,
             edge,
             pad,
             model: model.clone(),
-            touch: touch.clone(),
+            first_contact: touch.clone(),
             young: moduli.young,
             equilibrium: Arc::new(RigidEquilibrium::new(model, graph, touch)),
             to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
@@ -170,7 +170,7 @@ pub fn edge_features(graph: &PadGraph) -> Vec<f32> {
 }
 
 /// Returns the rows of the blocks with the indices `wanted`, out of `count` blocks of equal size.
-pub(crate) fn rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
+pub(crate) fn select_rows<T: Copy>(all: &[T], count: usize, wanted: &[usize]) -> Vec<T> {
     let width = all.len() / count;
     wanted.iter().flat_map(|l| &all[l * width..(l + 1) * width]).copied().collect()
 }

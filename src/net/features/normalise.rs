@@ -59,12 +59,12 @@ impl Normaliser {
         };
         let inverse = |c: usize| (1.0 / scale(c)) as f32;
         let [mean, scale] = [(0..cols).map(|c| mean(c) as f32).collect(), (0..cols).map(inverse).collect()];
-        Self { mean, scale, seen: Vec::new() }.reaching(all, parity)
+        Self { mean, scale, seen: Vec::new() }.with_bounds_of(all, parity)
     }
 
     /// Extends the bounds to the rows of these sets. The bounds of a column that changes sign under a mirror are
     /// symmetric.
-    pub fn reaching<'a>(mut self, sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
+    pub fn with_bounds_of<'a>(mut self, sets: impl Iterator<Item = &'a [f32]>, parity: &[Parity]) -> Self {
         self.seen.resize(parity.len(), [f32::INFINITY, f32::NEG_INFINITY]);
         for row in sets.flat_map(|s| s.chunks_exact(parity.len())) {
             for ((v, [low, high]), parity) in row.iter().zip(&mut self.seen).zip(parity) {

@@ -7,7 +7,7 @@ use model::Model;
 use model::gripper::FingerPlacement;
 
 /// Queries of the object from a pad at first contact.
-pub(super) struct View<'a> {
+pub(super) struct ObjectQuery<'a> {
     pub model: &'a Model,
     placement: &'a FingerPlacement,
     /// Displacement of the pad since the hand was open.
@@ -20,7 +20,7 @@ pub(super) struct View<'a> {
     pub closing: DVec3,
 }
 
-impl<'a> View<'a> {
+impl<'a> ObjectQuery<'a> {
     pub fn new(model: &'a Model, touch: &GeometricContact, placement: &'a FingerPlacement, travel: f64) -> Self {
         let rotation = DMat3::from_quat(touch.object.rotation);
         let inverse = rotation.transpose();
@@ -30,18 +30,18 @@ impl<'a> View<'a> {
     }
 
     /// Returns a point of the pad in the object frame.
-    pub fn of_pad(&self, x: DVec3) -> DVec3 {
+    pub fn pad_to_object(&self, x: DVec3) -> DVec3 {
         self.inverse * (self.placement.place(x) + self.carried - self.object.position)
     }
 
     /// Returns a point of the object in the pad frame.
-    pub fn in_pad(&self, x: DVec3) -> DVec3 {
+    pub fn object_to_pad(&self, x: DVec3) -> DVec3 {
         let place = self.object.rotation * x + self.object.position - self.carried - self.placement.origin;
         self.placement.rotation.transpose() * place
     }
 
     /// Returns signed distance, m, and normal of the object in the pad frame, at a point in the object frame.
-    pub fn look(&self, at: DVec3) -> (f64, DVec3) {
+    pub fn distance_and_normal(&self, at: DVec3) -> (f64, DVec3) {
         let closest = self.model.object.distance.closest(at, f64::INFINITY);
         closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance, self.to_pad * c.normal))
     }

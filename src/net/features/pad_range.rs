@@ -77,7 +77,7 @@ impl PadRange {
 
     /// Returns the first dimension of `other` that is outside the range by more than the fraction `slack`: its name,
     /// its value and the range.
-    pub fn refuses(&self, other: &Self, slack: f64) -> Option<(&'static str, f64, [f64; 2])> {
+    pub fn first_outside(&self, other: &Self, slack: f64) -> Option<(&'static str, f64, [f64; 2])> {
         let own = self.spans().into_iter().zip(other.spans());
         own.map(|((name, range), (_, [value, _]))| (name, value, range))
             .find(|(_, value, [low, high])| *value < low * (1.0 - slack) || *value > high * (1.0 + slack))
@@ -92,8 +92,8 @@ mod tests {
     fn a_pad_between_two_is_within_their_range_whatever_its_thickness() {
         let pad = |length: f64, t: f64| Sensor { size: [length * t, 4.0 * t, t], spacing: 0.5 * t, nodes: 100 };
         let range = PadRange::of(&pad(4.0, 2e-3)).join(PadRange::of(&pad(8.0, 4e-3)));
-        assert_eq!(range.refuses(&PadRange::of(&pad(6.0, 7e-3)), 1e-6), None);
-        let (name, value, [low, high]) = range.refuses(&PadRange::of(&pad(9.0, 1e-3)), 1e-6).unwrap();
+        assert_eq!(range.first_outside(&PadRange::of(&pad(6.0, 7e-3)), 1e-6), None);
+        let (name, value, [low, high]) = range.first_outside(&PadRange::of(&pad(9.0, 1e-3)), 1e-6).unwrap();
         assert_eq!(name, "length");
         assert!([value - 9.0, low - 4.0, high - 8.0].iter().all(|v| v.abs() < 1e-9), "{value} in {low} to {high}");
     }

@@ -112,7 +112,7 @@ impl TrainedRange {
     ///
     /// # Errors
     /// Fails for another pad; the message gives the dimensions of both.
-    pub fn admits_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
+    pub fn check_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
         match self.pad_outside(pad, hash) {
             None => Ok(()),
             Some(outside) => refuse(outside),
@@ -125,7 +125,7 @@ impl TrainedRange {
             return None;
         }
         if let Some(pads) = &self.pads {
-            let (name, value, [low, high]) = pads.refuses(&PadRange::of(&Sensor::of(pad)), SLACK)?;
+            let (name, value, [low, high]) = pads.first_outside(&PadRange::of(&Sensor::of(pad)), SLACK)?;
             return Some(format!(
                 "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to \
                  {high:.3}"
@@ -143,16 +143,16 @@ impl TrainedRange {
     ///
     /// # Errors
     /// Fails if something is outside; the message states what, by how much, and what to do.
-    pub fn admits(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
-        self.admits_some(model, hash, extrapolate)?;
+    pub fn check_model(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
+        self.check_model_some_force(model, hash, extrapolate)?;
         self.forces_outside(model).filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
-    /// Checks like [`TrainedRange::admits`], except that one force within the range is enough.
+    /// Checks like [`TrainedRange::check_model`], except that one force within the range is enough.
     ///
     /// # Errors
     /// Fails if all forces, or something else, are outside; the message states what, by how much, and what to do.
-    pub fn admits_some(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
+    pub fn check_model_some_force(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
         if !model.alike() {
             return refuse("its two pads differ, the network supports only identical pads".into());
         }
@@ -177,26 +177,26 @@ impl TrainedRange {
                 self.material
             ));
         }
-        let none = || self.frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
+        let none = || self.answerable_frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
         let outside = self.outside(model, hash).or_else(none);
         outside.filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
     /// Returns true if a force over `E thickness^2` is within the range.
-    pub fn holds_force(&self, force: f64) -> bool {
+    pub fn contains_force(&self, force: f64) -> bool {
         within(force, self.force)
     }
 
     /// Returns the indices of the frames of `model` that the network answers: those with forces within the range, or
     /// all if it may `extrapolate`.
-    pub fn frames(&self, model: &Model, extrapolate: bool) -> Vec<usize> {
+    pub fn answerable_frames(&self, model: &Model, extrapolate: bool) -> Vec<usize> {
         let unit = unit(model);
-        (0..model.levels.len()).filter(|k| extrapolate || self.holds_force(model.levels[*k] / unit)).collect()
+        (0..model.levels.len()).filter(|k| extrapolate || self.contains_force(model.levels[*k] / unit)).collect()
     }
 
     /// Returns a description of the frames of `model` with forces outside the range; None if there are none.
     pub fn forces_outside(&self, model: &Model) -> Option<String> {
-        let (unit, inside) = (unit(model), self.frames(model, false));
+        let (unit, inside) = (unit(model), self.answerable_frames(model, false));
         let outside: Vec<usize> = (0..model.levels.len()).filter(|k| !inside.contains(k)).collect();
         let rows = outside.chunk_by(|a, b| a + 1 == *b).map(|row| match (row[0], row[row.len() - 1]) {
             (first, last) if first == last => format!("frame {first} ({:.4} N per finger)", model.levels[first]),

@@ -1,6 +1,6 @@
 //! Gap between pad and object at points between the nodes of the sensing face, where first contact may occur.
 
-use super::object_query::View;
+use super::object_query::ObjectQuery;
 use crate::linear_response::pad_graph::PadGraph;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3Swizzles};
 /// Smallest gap between the sensing face around a node and the object. Lengths are dimensionless: relative to the
 /// thickness of the pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Nearest {
+pub(super) struct SmallestGap {
     /// Smallest gap along the closing direction, among the samples around the node and the node itself.
     pub gap: f64,
     /// Position of the sample with this gap relative to the node, along x and y of the pad frame; a weighted mean if
@@ -26,20 +26,21 @@ const ALIKE: f64 = 0.01;
 /// seen from one pad at first contact; `gaps` are the gaps of the face nodes themselves, over the thickness. Samples
 /// are the midpoints of face edges, the centroids of face triangles, and the contact points of the object (vertices and
 /// points of sharp edges).
-pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Nearest> {
+pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) -> Vec<SmallestGap> {
     let t = graph.thickness;
     // Samples around each node, including itself: their gaps and offsets.
-    let mut seen: Vec<Vec<Nearest>> = gaps.iter().map(|gap| vec![Nearest { gap: *gap, offset: DVec2::ZERO }]).collect();
+    let mut seen: Vec<Vec<SmallestGap>> =
+        gaps.iter().map(|gap| vec![SmallestGap { gap: *gap, offset: DVec2::ZERO }]).collect();
     let mut enter = |nodes: &[u32], at: DVec3, gap: f64| {
         for i in nodes {
-            seen[*i as usize].push(Nearest { gap, offset: (at - graph.rest[*i as usize]).xy() / t });
+            seen[*i as usize].push(SmallestGap { gap, offset: (at - graph.rest[*i as usize]).xy() / t });
         }
     };
     let mut between = |nodes: &[u32]| {
         let least = nodes.iter().map(|i| gaps[*i as usize]).fold(f64::INFINITY, f64::min);
         if least < NEAR {
             let at = nodes.iter().map(|i| graph.rest[*i as usize]).sum::<DVec3>() / nodes.len() as f64;
-            let gap = view.gap(view.of_pad(at), least * t) / t;
+            let gap = view.gap(view.pad_to_object(at), least * t) / t;
             enter(nodes, at, gap);
         }
     };
@@ -48,8 +49,8 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
     let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
     let highest = graph.rest.iter().map(|x| x.z).fold(f64::NEG_INFINITY, f64::max);
     for feature in view.model.features.iter() {
-        let at = view.in_pad(feature.position);
-        if at.z > highest + NEAR * t || !graph.covers(at.xy()) {
+        let at = view.object_to_pad(feature.position);
+        if at.z > highest + NEAR * t || !graph.bounds_contain(at.xy()) {
             continue;
         }
         let corners = lookup.under(at);
@@ -64,9 +65,9 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
 
 /// Returns the smallest gap, and the mean offset of the points with almost this gap, weighted so that the offset is
 /// continuous when two points exchange order.
-fn least(points: &[Nearest]) -> Nearest {
+fn least(points: &[SmallestGap]) -> SmallestGap {
     let gap = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
     let weighted = points.iter().map(|p| (p.offset, (-(p.gap - gap) / ALIKE).exp()));
     let (sum, whole) = weighted.fold((DVec2::ZERO, 0.0), |(sum, whole), (offset, w)| (sum + offset * w, whole + w));
-    Nearest { gap, offset: sum / whole }
+    SmallestGap { gap, offset: sum / whole }
 }

@@ -37,7 +37,7 @@ const FINE: f64 = 0.6;
 
 /// Graph with its features. Nodes: those of the pads, left first, then those of the object.
 #[derive(Debug, Clone)]
-pub struct Volume {
+pub struct VolumeGraph {
     /// Features of nodes (nodes, [`VOLUME_NODE`]).
     pub node: Vec<f32>,
     /// Edges of the meshes.
@@ -56,7 +56,7 @@ pub struct Volume {
     pub face: Arc<Sparse>,
 }
 
-impl Volume {
+impl VolumeGraph {
     /// Builds the graph of a grasp of `model` at first contact.
     pub fn new(model: &Model, graph: &PadGraph, touch: &GeometricContact) -> Self {
         let (t, topology) = (graph.thickness, &model.fingers[0].topology);
@@ -64,14 +64,14 @@ impl Volume {
         let frame = &model.fingers[0].placement;
         let inverse = frame.rotation.transpose();
         // Over the thickness, in the frame of the first pad.
-        let seen = |x: DVec3| inverse * (x - frame.origin) / t;
+        let to_graph_frame = |x: DVec3| inverse * (x - frame.origin) / t;
         let carried = model.fingers.iter().zip(&touch.travel);
         let mut x: Vec<DVec3> = carried
             .flat_map(|(f, d)| topology.rest.iter().map(move |x| f.placement.place(*x) + f.placement.closing * *d))
-            .map(seen)
+            .map(to_graph_frame)
             .collect();
         let face: Vec<u32> = (0..pads).flat_map(|p| graph.face.iter().map(move |i| (p * n) as u32 + i)).collect();
-        let object = object(model, touch, &seen, &face.iter().map(|i| x[*i as usize]).collect::<Vec<_>>());
+        let object = object(model, touch, &to_graph_frame, &face.iter().map(|i| x[*i as usize]).collect::<Vec<_>>());
 
         let surface = outside(topology);
         let material = [model.material.moduli().poisson, model.friction].map(|v| v as f32);
@@ -134,12 +134,13 @@ struct Points {
     edges: BTreeSet<(u32, u32)>,
 }
 
-/// Returns the object's surface near the nodes `face` of the pads; `seen` transforms points from the hand frame to that
-/// of the graph.
-fn object(model: &Model, touch: &GeometricContact, seen: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
+/// Returns the object's surface near the nodes `face` of the pads; `to_graph_frame` transforms points from the hand
+/// frame to that of the graph.
+fn object(model: &Model, touch: &GeometricContact, to_graph_frame: &dyn Fn(DVec3) -> DVec3, face: &[DVec3]) -> Points {
     let surface = &model.object.surface;
     let pose = &touch.object;
-    let vertex: Vec<DVec3> = surface.vertices.iter().map(|v| seen(pose.rotation * *v + pose.position)).collect();
+    let vertex: Vec<DVec3> =
+        surface.vertices.iter().map(|v| to_graph_frame(pose.rotation * *v + pose.position)).collect();
     let half = face.len() / model.fingers.len();
     let boxes: Vec<Aabb> = face.chunks_exact(half.max(1)).map(|own| Aabb::of(own.iter().copied())).collect();
     let apart = |a: &Aabb, b: &Aabb| (a.min - b.max).max(b.min - a.max).max_element() > NEAR;
@@ -202,7 +203,7 @@ fn outside(pad: &PadTopology) -> BTreeSet<u32> {
     nodes
 }
 
-/// Computes [`Volume::turned`]; `inverse` rotates from hand axes to those of the graph.
+/// Computes [`VolumeGraph::turned`]; `inverse` rotates from hand axes to those of the graph.
 fn turned(model: &Model, inverse: DMat3, bonded: &[bool], nodes: usize) -> Arc<Sparse> {
     let (mut rows, count) = (Vec::new(), bonded.len());
     for (p, finger) in model.fingers.iter().enumerate() {

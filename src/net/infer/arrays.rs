@@ -1,8 +1,8 @@
 //! Arrays of many predictions, for files and for Python.
 
-use super::many::PredictedGrasp;
+use super::batch::PredictedGrasp;
+use super::contact_correction::object_pose;
 use super::predicted_state::{GraspState, PadState};
-use super::touch::object_at;
 use crate::linear_response::GraspLoad;
 use base::error::Result;
 use geometry::Pose;
@@ -38,8 +38,9 @@ pub fn each_array<E>(
     let of_vectors = [known.len(), loads.len(), pads, nodes, 3];
     let flat = |v: &[DVec3]| v.iter().flat_map(|x| x.to_array()).map(|x| x as f32).collect::<Vec<_>>();
     let every = |of: &dyn Fn(&PredictedGrasp, &GraspState) -> Vec<f32>| {
-        let states =
-            known.iter().flat_map(|answer| (0..loads.len()).filter_map(|k| Some((*answer, answer.ramp.at(k)?))));
+        let states = known
+            .iter()
+            .flat_map(|answer| (0..loads.len()).filter_map(|k| Some((*answer, answer.interpolation.at(k)?))));
         states.flat_map(|(answer, state)| of(answer, &state)).collect::<Vec<_>>()
     };
     let every_pad = |of: &dyn Fn(&PadState) -> Vec<f32>| every(&|_, state| state.pads.iter().flat_map(of).collect());
@@ -53,11 +54,11 @@ pub fn each_array<E>(
     }
     put(names::TRAVEL, &of_pads, every_pad(&|pad| vec![pad.travel as f32]))?;
     let pose = |answer: &PredictedGrasp, state: &GraspState| {
-        let Pose { position, rotation } = object_at(model, &answer.touch, &state.pads);
+        let Pose { position, rotation } = object_pose(model, &answer.first_contact, &state.pads);
         Pose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
-    put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.hold as f32).collect())?;
+    put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.friction_margin as f32).collect())?;
     for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
         put(name, &of_loads, every(&|_, state| vec![state.error.to_array()[k] as f32]))?;
     }

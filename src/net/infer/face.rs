@@ -1,15 +1,15 @@
 //! Face network with packed weights and reused memory.
 
-use super::code::Code;
 use super::heads::{Channels, Heads};
-use super::message::{BLOCK, Incoming, MessageSizes, Project, Receive, project, receive};
+use super::latent_code::LatentCode;
+use super::message::{BLOCK, IncomingEdges, MessageSizes, NodeUpdate, NormLinear, norm_linear, update_nodes};
 use super::output_arrays::OutputArrays;
-use super::padded_rows::{beside, multiply, row};
-use super::response::{self, respond};
+use super::padded_rows::{concatenate_columns, multiply, padded_row};
+use super::response::{self, linear_response};
 use crate::features::loads::LoadFeatures;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD};
 use crate::matrix::activation::Act;
-use crate::matrix::product::{Packed, RowsView, padded};
+use crate::matrix::product::{PackedMatrix, RowsView, padded};
 use crate::network::Normalisers;
 use crate::network::parameters::Parameters;
 use crate::network::spec::Face;
@@ -19,29 +19,29 @@ use std::sync::{Mutex, PoisonError};
 /// Layer on the means over a pad and over the other pad.
 #[derive(Debug)]
 struct Pools {
-    weights: Packed,
+    weights: PackedMatrix,
     bias: Vec<f32>,
 }
 
 #[derive(Debug)]
 struct Round {
-    project: Project,
+    project: NormLinear,
     pools: Pools,
-    global: Packed,
-    receive: Receive,
+    global: PackedMatrix,
+    receive: NodeUpdate,
 }
 
 /// Network with packed weights.
 #[derive(Debug)]
 pub struct FaceEngine {
     latent: usize,
-    start: Packed,
+    start: PackedMatrix,
     start_bias: Vec<f32>,
-    start_pad: Packed,
+    start_pad: PackedMatrix,
     rounds: Vec<Round>,
-    last: Project,
+    last: NormLinear,
     pools: Pools,
-    pad: Packed,
+    pad: PackedMatrix,
     pad_bias: Vec<f32>,
     heads: Heads,
     normalisers: Normalisers,
@@ -51,11 +51,11 @@ pub struct FaceEngine {
 
 /// Encoded grasp, and the loads at which to decode it.
 #[derive(Debug, Clone, Copy)]
-pub struct Decoding<'a> {
+pub struct DecodeRequest<'a> {
     /// Features of the grasp.
     pub features: &'a GraspFeatures,
     /// Code of the grasp.
-    pub code: &'a Code,
+    pub code: &'a LatentCode,
     /// Features of the loads.
     pub loads: &'a LoadFeatures,
 }
@@ -71,7 +71,7 @@ struct Workspace {
     joined: Vec<f32>,
     pool: Vec<f32>,
     global: Vec<f32>,
-    response: response::Memory,
+    response: response::ResponseWorkspace,
     /// Channels of each grasp of a batch.
     channels: Vec<Channels>,
 }
@@ -79,47 +79,52 @@ struct Workspace {
 impl FaceEngine {
     /// Number of loads to decode together: a batch shares each reading of the weights, a larger one does not fit into
     /// the caches.
-    pub const LOADS: usize = 32;
+    pub const LOADS_PER_BATCH: usize = 32;
 
     /// Creates the engine from the parameters of a [`crate::network::face::FaceNetwork`] of these sizes.
     pub fn new(sizes: &Face, parameters: &Parameters, normalisers: &Normalisers) -> Self {
         let h = sizes.latent.get();
         let get = |name: &str| parameters.entries(name);
         let packed = |name: &str| parameters.packed(name);
-        let norm = |name: &str| [row(get(&format!("{name}.gain"))), row(get(&format!("{name}.shift")))];
+        let norm = |name: &str| [padded_row(get(&format!("{name}.gain"))), padded_row(get(&format!("{name}.shift")))];
         let pools = |name: &str| {
             let parts = ["mean", "near", "other_mean", "other_near"];
             let all: Vec<f32> = parts.iter().flat_map(|k| get(&format!("{name}.{k}"))).collect();
-            Pools { weights: Packed::new(&all, h), bias: row(get(&format!("{name}.bias"))) }
+            Pools { weights: PackedMatrix::new(&all, h), bias: padded_row(get(&format!("{name}.bias"))) }
         };
         let round = |r: usize| {
             let name = |part: &str| format!("round{r}.{part}");
             let [sender, receiver, own] = ["sender", "receiver", "own.weight"].map(|k| (get(&name(k)), h));
-            let (weights, cols) = beside(&[sender, receiver, own]);
+            let (weights, cols) = concatenate_columns(&[sender, receiver, own]);
             // The bias of the edge layer is added to the part of the receiver.
-            let bias = [vec![0.0; padded(h)], row(get(&name("edge.bias"))), row(get(&name("own.bias")))].concat();
+            let bias = [vec![0.0; padded(h)], padded_row(get(&name("edge.bias"))), padded_row(get(&name("own.bias")))]
+                .concat();
             Round {
-                project: Project { norm: norm(&name("norm")), weights: Packed::new(&weights, cols), bias },
+                project: NormLinear { norm: norm(&name("norm")), weights: PackedMatrix::new(&weights, cols), bias },
                 pools: pools(&name("pool")),
                 global: packed(&name("global")),
-                receive: Receive {
-                    edge: beside(&[(get(&name("edge.weight")), h)]).0,
+                receive: NodeUpdate {
+                    edge: concatenate_columns(&[(get(&name("edge.weight")), h)]).0,
                     messages: packed(&name("messages")),
                     out: packed(&name("out.weight")),
-                    out_bias: row(get(&name("out.bias"))),
+                    out_bias: padded_row(get(&name("out.bias"))),
                 },
             }
         };
         Self {
             latent: h,
             start: packed("start.node.weight"),
-            start_bias: row(get("start.node.bias")),
+            start_bias: padded_row(get("start.node.bias")),
             start_pad: packed("start.pad"),
             rounds: (0..sizes.rounds.get()).map(round).collect(),
-            last: Project { norm: norm("last.norm"), weights: packed("node.latent"), bias: row(get("node.bias")) },
+            last: NormLinear {
+                norm: norm("last.norm"),
+                weights: packed("node.latent"),
+                bias: padded_row(get("node.bias")),
+            },
             pools: pools("last.pool"),
             pad: packed("pad.latent"),
-            pad_bias: row(get("pad.bias")),
+            pad_bias: padded_row(get("pad.bias")),
             heads: Heads::new(sizes, parameters),
             normalisers: normalisers.clone(),
             workspaces: Mutex::default(),
@@ -127,10 +132,10 @@ impl FaceEngine {
     }
 
     /// Computes the message passing, once per grasp.
-    pub fn encode(&self, f: &GraspFeatures) -> Code {
-        let mut own = self.take();
-        let code = self.pass(f, &mut own);
-        self.put(own);
+    pub fn encode(&self, f: &GraspFeatures) -> LatentCode {
+        let mut own = self.acquire_workspace();
+        let code = self.encode_with(f, &mut own);
+        self.release_workspace(own);
         code
     }
 
@@ -152,15 +157,15 @@ impl FaceEngine {
         (f.pads as f64 * (f.graph.face.len() as f64 * self.heads.operations() + operations), bytes)
     }
 
-    fn take(&self) -> Workspace {
+    fn acquire_workspace(&self) -> Workspace {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
 
-    fn put(&self, own: Workspace) {
+    fn release_workspace(&self, own: Workspace) {
         self.workspaces.lock().unwrap_or_else(PoisonError::into_inner).push(own);
     }
 
-    fn pass(&self, f: &GraspFeatures, own: &mut Workspace) -> Code {
+    fn encode_with(&self, f: &GraspFeatures, own: &mut Workspace) -> LatentCode {
         let (n, s, pads) = (f.graph.face.len(), padded(self.latent), f.pads);
         let sizes = MessageSizes { nodes: n, latent: self.latent };
         let norms = &self.normalisers;
@@ -169,7 +174,7 @@ impl FaceEngine {
         let pad = norms.pad.apply(&f.pad, &PAD, even);
         // Both pads have the same edges.
         let edge = norms.edge.apply(&f.edge[..f.edge.len() / pads], &EDGE, even);
-        let edges = Incoming::new(&f.graph.edges, n, edge);
+        let edges = IncomingEdges::new(&f.graph.edges, n, edge);
         let pool_weights = [&f.mean, &f.near].map(|m| m.entries().map(|e| e.1).collect::<Vec<f32>>());
         let pool_weights = pool_weights.each_ref().map(|w| w.as_slice());
         let Workspace { h, scratch, parts, blocks, pooled, joined, pool, global, .. } = own;
@@ -192,15 +197,15 @@ impl FaceEngine {
             multiply(rows, &self.start, false, Some(&bias), Act::None, &mut h[p * n * s..(p + 1) * n * s]);
         }
         for round in &self.rounds {
-            project(sizes, &round.project, h, pool_weights, &mut scratch[..pads * n * s], parts, blocks, pooled);
+            norm_linear(sizes, &round.project, h, pool_weights, &mut scratch[..pads * n * s], parts, blocks, pooled);
             self.pool(&round.pools, pooled, joined, pool);
             let rows = RowsView { data: &*pool, stride: s, count: pads };
             multiply(rows, &round.global, false, None, Act::None, global);
-            receive(sizes, &round.receive, &edges, parts, global, scratch, h);
+            update_nodes(sizes, &round.receive, &edges, parts, global, scratch, h);
         }
         let d = self.last.weights.cols;
-        let mut code = Code { node: vec![0.0; pads * n * d], pad: vec![0.0; pads * d] };
-        project(sizes, &self.last, h, pool_weights, &mut scratch[..pads * n * s], &mut code.node, blocks, pooled);
+        let mut code = LatentCode { node: vec![0.0; pads * n * d], pad: vec![0.0; pads * d] };
+        norm_linear(sizes, &self.last, h, pool_weights, &mut scratch[..pads * n * s], &mut code.node, blocks, pooled);
         self.pool(&self.pools, pooled, joined, pool);
         let rows = RowsView { data: &*pool, stride: s, count: pads };
         multiply(rows, &self.pad, false, Some(&self.pad_bias), Act::None, &mut code.pad);
@@ -227,13 +232,13 @@ impl FaceEngine {
 
     /// Computes the outputs of grasps on pads of one graph, each at some loads, in the units of the network; stress is
     /// empty if not required. The response of the pads is read once for all of them.
-    pub fn decode(&self, grasps: &[Decoding], stress: bool) -> Vec<OutputArrays> {
+    pub fn decode(&self, grasps: &[DecodeRequest], stress: bool) -> Vec<OutputArrays> {
         let Some(graph) = grasps.first().map(|grasp| &grasp.features.graph) else { return Vec::new() };
         let n = graph.face.len();
-        let mut own = self.take();
+        let mut own = self.acquire_workspace();
         let Workspace { channels: all, response: memory, .. } = &mut own;
         all.resize_with(grasps.len().max(all.len()), Channels::default);
-        for (Decoding { features, code, loads }, channels) in grasps.iter().zip(all.iter_mut()) {
+        for (DecodeRequest { features, code, loads }, channels) in grasps.iter().zip(all.iter_mut()) {
             self.heads.run(n, features.pads, &self.normalisers, code, loads, channels);
             if !loads.balance.is_empty() {
                 let levels = channels.contact.par_chunks_exact_mut(3 * features.pads * n).zip(&loads.balance);
@@ -243,7 +248,7 @@ impl FaceEngine {
         let scales: Vec<Vec<f32>> = grasps.iter().map(|grasp| grasp.loads.scale(grasp.features)).collect();
         let items =
             all.iter().zip(&scales).flat_map(|(c, scales)| c.contact.chunks_exact(3 * n).zip(scales.iter().copied()));
-        let given = respond(graph, &items.collect::<Vec<_>>(), stress, memory);
+        let given = linear_response(graph, &items.collect::<Vec<_>>(), stress, memory);
         let mut first = 0;
         let mut outputs = Vec::with_capacity(grasps.len());
         for (scales, channels) in scales.iter().zip(all.iter_mut()) {
@@ -253,7 +258,7 @@ impl FaceEngine {
                 [&mut channels.contact, &mut channels.travel, &mut channels.motion].map(std::mem::take);
             outputs.push(OutputArrays { displacement, stress, contact, travel, motion });
         }
-        self.put(own);
+        self.release_workspace(own);
         outputs
     }
 }

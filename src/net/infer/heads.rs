@@ -3,14 +3,14 @@
 //! One product computes all channels of a node: contact force, then factor and offset of the stress at each depth, then
 //! offset and factor of the displacement at each depth.
 
-use super::code::Code;
+use super::latent_code::LatentCode;
 use super::message::BLOCK;
-use super::padded_rows::{beside, multiply, row};
+use super::padded_rows::{concatenate_columns, multiply, padded_row};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
-use crate::matrix::activation::{Act, positive};
-use crate::matrix::product::{Packed, Product, RowsView, padded, product};
+use crate::matrix::activation::{Act, squareplus};
+use crate::matrix::product::{PackedMatrix, Product, RowsView, padded, product};
 use crate::network::Normalisers;
-use crate::network::face::LITTLE;
+use crate::network::face::MIN_FORCE_FRACTION;
 use crate::network::parameters::Parameters;
 use crate::network::spec::Face;
 use pulp::{Arch, Simd, WithSimd};
@@ -20,20 +20,20 @@ use rayon::prelude::*;
 #[derive(Debug)]
 pub struct Heads {
     depths: usize,
-    load: Packed,
-    pad_load: Packed,
-    inner: Packed,
+    load: PackedMatrix,
+    pad_load: PackedMatrix,
+    inner: PackedMatrix,
     inner_bias: Vec<f32>,
-    outer: Packed,
+    outer: PackedMatrix,
     outer_bias: Vec<f32>,
-    node: Packed,
+    node: PackedMatrix,
     node_bias: Vec<f32>,
     /// Number of channels of a node before those of the displacement, padded.
     first: usize,
-    own_pad_load: Packed,
-    middle: Packed,
+    own_pad_load: PackedMatrix,
+    middle: PackedMatrix,
     middle_bias: Vec<f32>,
-    pad: Packed,
+    pad: PackedMatrix,
     pad_bias: Vec<f32>,
 }
 
@@ -99,40 +99,40 @@ impl Heads {
             let mut all = Vec::new();
             for r in 0..rows {
                 let first = [cut(w(&contact), r, 0, 3), cut(w(&factor), r, 0, depths), cut(w(&stress), r, 0, depths)];
-                all.extend(row(first.concat()));
+                all.extend(padded_row(first.concat()));
                 let deep = (0..depths)
                     .flat_map(|k| [cut(w(&displacement), r, 3 * k, 3), cut(w(&scale), r, 3 * k, 3)].concat());
-                all.extend(row(deep.collect()));
+                all.extend(padded_row(deep.collect()));
             }
             let cols = all.len() / rows;
             (all, cols)
         };
         let (weights, width) = side(0);
         let [travel, motion] = ["travel", "motion"].map(both);
-        let (pad, pad_width) = beside(&[(travel[0].0.clone(), 1), (motion[0].0.clone(), 6)]);
+        let (pad, pad_width) = concatenate_columns(&[(travel[0].0.clone(), 1), (motion[0].0.clone(), 6)]);
         Self {
             depths,
             load: packed("node.load"),
             pad_load: packed("node.pad_load"),
             inner: packed("node.inner.weight"),
-            inner_bias: row(parameters.entries("node.inner.bias")),
+            inner_bias: padded_row(parameters.entries("node.inner.bias")),
             outer: packed("node.outer.weight"),
-            outer_bias: row(parameters.entries("node.outer.bias")),
-            node: Packed::new(&weights, width),
+            outer_bias: padded_row(parameters.entries("node.outer.bias")),
+            node: PackedMatrix::new(&weights, width),
             node_bias: side(1).0,
             first: padded(3 + 2 * depths),
             own_pad_load: packed("pad.load"),
             middle: packed("pad.middle.weight"),
-            middle_bias: row(parameters.entries("pad.middle.bias")),
-            pad: Packed::new(&pad, pad_width),
-            pad_bias: beside(&[(travel[1].0.clone(), 1), (motion[1].0.clone(), 6)]).0,
+            middle_bias: padded_row(parameters.entries("pad.middle.bias")),
+            pad: PackedMatrix::new(&pad, pad_width),
+            pad_bias: concatenate_columns(&[(travel[1].0.clone(), 1), (motion[1].0.clone(), 6)]).0,
         }
     }
 
     /// Counts multiplications and additions at one node under one load, including those with padding zeros, without
     /// activations.
     pub(crate) fn operations(&self) -> f64 {
-        let product = |weights: &Packed| 2.0 * (weights.rows * weights.cols) as f64;
+        let product = |weights: &PackedMatrix| 2.0 * (weights.rows * weights.cols) as f64;
         [&self.load, &self.inner, &self.outer, &self.node].into_iter().map(product).sum()
     }
 
@@ -143,7 +143,7 @@ impl Heads {
         nodes: usize,
         pads: usize,
         norms: &Normalisers,
-        code: &Code,
+        code: &LatentCode,
         loads: &LoadFeatures,
         channels: &mut Channels,
     ) {
@@ -193,7 +193,7 @@ impl Heads {
                     let code = &code[rows.start * d..rows.end * d];
                     Arch::new().dispatch(NodeBlock { heads: self, norms, load, code, bias, memory, out });
                 }
-                share(out, width, load, contact);
+                force_fractions(out, width, load, contact);
             },
         );
     }
@@ -235,7 +235,7 @@ impl WithSimd for NodeBlock<'_> {
         for row in out.chunks_exact_mut(width) {
             let contact = [row[0], row[1], row[2]];
             for v in S::as_mut_simd_f32s(&mut row[..heads.first]).0 {
-                *v = positive(simd, *v);
+                *v = squareplus(simd, *v);
             }
             row[..3].copy_from_slice(&contact);
         }
@@ -243,12 +243,12 @@ impl WithSimd for NodeBlock<'_> {
 }
 
 /// Computes the contact forces of a pad from its channels, as corrections of the projected contact:
-/// [`crate::network::layers::share`].
-fn share(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
+/// [`crate::network::layers::force_fractions`].
+fn force_fractions(channels: &[f32], width: usize, load: &[f32], contact: &mut [f32]) {
     let rows = channels.chunks_exact(width).zip(load.chunks_exact(NODE_LOAD.len()));
     let mut top = f32::NEG_INFINITY;
     for (out, (row, load)) in contact.chunks_exact_mut(3).zip(rows) {
-        out[0] = row[0] + (load[6] + LITTLE).ln();
+        out[0] = row[0] + (load[6] + MIN_FORCE_FRACTION).ln();
         (out[1], out[2]) = (row[1] + load[7], row[2] + load[8]);
         top = top.max(out[0]);
     }

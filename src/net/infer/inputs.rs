@@ -50,7 +50,7 @@ pub struct PadInputs {
 /// Returns the inputs shared by the grasps with a pad of this graph, whose gel has Young's modulus `young`, Pa.
 pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> PadInputs {
     let (n, nodes, edges) = (graph.face.len(), graph.node_count, graph.edges.list.len());
-    let (hang, hang_weight, wide) = hanging(graph);
+    let (hang, hang_weight, wide) = interpolation_channels(graph);
     let free = (0..nodes).map(|node| f32::from(u8::from(!graph.interpolate_free.row(node).is_empty())));
     let edge = normalisers.edge.apply(&edge_features(graph), &EDGE, (false, false));
     let whole: f64 = graph.area.iter().sum();
@@ -81,7 +81,7 @@ pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> Pa
 }
 
 /// Returns channels and weights of every node of the pad, and their number per node; rows are padded with zero weights.
-fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
+fn interpolation_channels(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
     let rows = || (0..graph.node_count).map(|node| graph.interpolate.row(node));
     let wide = rows().map(<[_]>::len).max().unwrap_or(0);
     let filled = rows().flat_map(|row| row.iter().copied().chain(std::iter::repeat((0, 0.0))).take(wide));
@@ -94,15 +94,15 @@ fn hanging(graph: &PadGraph) -> (Vec<u32>, Vec<f32>, usize) {
 /// n, 3): fraction of the force in the projected contact, and tangential over normal force; `depth_m`, `pressing_n` (L,
 /// P). For a free object between two pads also its equilibrium: `wrench` (L, 6, 3 P n): force and moment of a unit of
 /// each component of contact; `pull` (L, 6, 3 P n): contributions of a unit of each correction (pulls and twists of the
-/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections; `load_about_midpoint`
-/// (L, 6): force and moment that the pads must carry.
+/// pads) to the components; `inverse` (L, 6, 6): map from the residual force and moment to these corrections;
+/// `hangs` (L, 6): force and moment that the pads must carry.
 pub fn grasp_inputs(features: &GraspFeatures, loads: &LoadFeatures, normalisers: &Normalisers) -> Vec<Array<f32>> {
     let (p, n, l) = (features.pads, features.graph.face.len(), loads.load.len());
     let carried = loads.node.chunks_exact(NODE_LOAD.len()).flat_map(|row| [row[6], row[7], row[8]]).collect();
     let normal =
         |rows: &[f32], normaliser: &Normaliser, parity: &[Parity]| normaliser.apply(rows, parity, (false, false));
     let near = features.near.entries().map(|(_, weight)| weight).collect();
-    let pressing = loads.pressing.iter().map(|force| (force * features.unit_force()) as f32).collect();
+    let pressing = loads.pressing_force.iter().map(|force| (force * features.unit_force()) as f32).collect();
     let mut arrays = vec![
         Array::new("node", &[p, n, NODE.len()], normal(&features.node, &normalisers.node, &NODE)),
         Array::new("pad", &[p, PAD.len()], normal(&features.pad, &normalisers.pad, &PAD)),
@@ -126,7 +126,7 @@ fn balances(balances: &[Arc<ObjectBalance>]) -> [Array<f32>; 4] {
         balances.iter().flat_map(|b| (0..EQUATIONS).flat_map(|k| row(b, k)).collect::<Vec<_>>()).collect()
     };
     let pulls = |b: &ObjectBalance, i: usize| {
-        let [x, y] = b.pulls(i);
+        let [x, y] = b.correction_contributions(i);
         [[0.0; EQUATIONS], x, y]
     };
     let [wrench, pull] = [by_component(&ObjectBalance::wrenches), by_component(&pulls)];
@@ -137,8 +137,8 @@ fn balances(balances: &[Arc<ObjectBalance>]) -> [Array<f32>; 4] {
         Array::new(
             "inverse",
             &[l, EQUATIONS, EQUATIONS],
-            balances.iter().flat_map(|b| b.solution().0.concat()).collect(),
+            balances.iter().flat_map(|b| b.correction_map().0.concat()).collect(),
         ),
-        Array::new("hangs", &[l, EQUATIONS], balances.iter().flat_map(|b| *b.solution().1).collect()),
+        Array::new("hangs", &[l, EQUATIONS], balances.iter().flat_map(|b| *b.correction_map().1).collect()),
     ]
 }

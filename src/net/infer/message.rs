@@ -10,7 +10,7 @@
 
 use crate::linear_response::edges::Edges;
 use crate::matrix::activation::{Act, gated};
-use crate::matrix::product::{LANES, Packed, Product, RowsView, padded, product};
+use crate::matrix::product::{LANES, PackedMatrix, Product, RowsView, padded, product};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -19,31 +19,31 @@ pub const BLOCK: usize = 24;
 
 /// LayerNorm followed by a linear layer.
 #[derive(Debug)]
-pub struct Project {
+pub struct NormLinear {
     /// Gain and shift, padded.
     pub norm: [Vec<f32>; 2],
     /// Weights.
-    pub weights: Packed,
+    pub weights: PackedMatrix,
     /// Bias, padded.
     pub bias: Vec<f32>,
 }
 
 /// Layer that updates nodes from their messages.
 #[derive(Debug)]
-pub struct Receive {
+pub struct NodeUpdate {
     /// Weights of the features of an edge: (features, padded latent).
     pub edge: Vec<f32>,
     /// Weights of the sum of the messages.
-    pub messages: Packed,
+    pub messages: PackedMatrix,
     /// Weights of the sum of all parts.
-    pub out: Packed,
+    pub out: PackedMatrix,
     /// Bias, padded.
     pub out_bias: Vec<f32>,
 }
 
 /// Directed edges, sorted by receiver.
 #[derive(Debug, Clone, Default)]
-pub struct Incoming {
+pub struct IncomingEdges {
     /// Index of the first edge of each node, and the number of edges at the end.
     start: Vec<u32>,
     sender: Vec<u32>,
@@ -53,7 +53,7 @@ pub struct Incoming {
     usual: f32,
 }
 
-impl Incoming {
+impl IncomingEdges {
     /// Creates the edges of a pad with `nodes` face nodes from `edges`, which are sorted by receiver.
     pub fn new(edges: &Edges, nodes: usize, features: Vec<f32>) -> Self {
         let mut start = vec![0; nodes + 1];
@@ -85,9 +85,9 @@ impl MessageSizes {
 /// the two rows of `weights` (2, pads * nodes): `pooled` is (pads, 2, stride). `scratch` has the size of h; `parts`
 /// holds the sums of all blocks.
 #[allow(clippy::too_many_arguments)]
-pub fn project(
+pub fn norm_linear(
     sizes: MessageSizes,
-    layer: &Project,
+    layer: &NormLinear,
     h: &[f32],
     weights: [&[f32]; 2],
     scratch: &mut [f32],
@@ -120,7 +120,7 @@ pub fn project(
 
 struct ProjectBlock<'a> {
     latent: usize,
-    layer: &'a Project,
+    layer: &'a NormLinear,
     h: &'a [f32],
     weights: [&'a [f32]; 2],
     x: &'a mut [f32],
@@ -156,7 +156,7 @@ impl WithSimd for ProjectBlock<'_> {
 const EPSILON: f32 = 1e-5;
 
 #[inline(always)]
-fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f32]) {
+fn norm<S: Simd>(simd: S, layer: &NormLinear, latent: usize, h: &[f32], x: &mut [f32]) {
     let [gain, shift] = layer.norm.each_ref().map(|v| S::as_simd_f32s(v).0);
     let each = 1.0 / latent as f32;
     let s = padded(latent);
@@ -183,10 +183,10 @@ fn norm<S: Simd>(simd: S, layer: &Project, latent: usize, h: &[f32], x: &mut [f3
 
 /// Updates `h` by one round: `parts` are the sender, receiver and own parts of every node, `global` has a row per pad.
 /// `scratch` has twice the size of `h`.
-pub fn receive(
+pub fn update_nodes(
     sizes: MessageSizes,
-    layer: &Receive,
-    edges: &Incoming,
+    layer: &NodeUpdate,
+    edges: &IncomingEdges,
     parts: &[f32],
     global: &[f32],
     scratch: &mut [f32],
@@ -208,8 +208,8 @@ pub fn receive(
 }
 
 struct ReceiveBlock<'a> {
-    layer: &'a Receive,
-    edges: &'a Incoming,
+    layer: &'a NodeUpdate,
+    edges: &'a IncomingEdges,
     first: usize,
     stride: usize,
     parts: &'a [f32],
@@ -251,8 +251,8 @@ impl WithSimd for ReceiveBlock<'_> {
 
 /// Sums of the messages of a block, for a range of columns that begins at `start`.
 struct Gather<'a, 'b> {
-    layer: &'a Receive,
-    edges: &'a Incoming,
+    layer: &'a NodeUpdate,
+    edges: &'a IncomingEdges,
     first: usize,
     s: usize,
     parts: &'a [f32],

@@ -7,26 +7,26 @@
 //! ```
 //! The tape is the reference, and a test compares both. Results are bitwise independent of threads.
 
-pub mod answer;
 pub mod arrays;
-mod code;
-pub mod doubt;
+pub mod batch;
+pub mod contact_correction;
 pub mod face;
-pub mod force_ladder;
+pub mod force_interpolation;
 pub mod frame;
+pub mod friction_margin;
+pub mod grasp_output;
 pub mod heads;
-pub mod hold;
+pub mod input_derivatives;
 pub mod inputs;
-pub mod many;
+mod latent_code;
+pub mod load_interpolation;
 pub mod message;
 mod output_arrays;
 mod padded_rows;
 pub mod predict;
+pub mod predicted_errors;
 mod predicted_state;
-pub mod ramp;
 pub mod response;
-pub mod slopes;
-pub mod touch;
 
-pub use code::Code;
-pub use face::{Decoding, FaceEngine};
+pub use face::{DecodeRequest, FaceEngine};
+pub use latent_code::LatentCode;

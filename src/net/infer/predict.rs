@@ -1,18 +1,18 @@
 //! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
-use super::answer::Answer;
-use super::code::Code;
-use super::face::{Decoding, FaceEngine};
+use super::face::{DecodeRequest, FaceEngine};
+use super::grasp_output::GraspOutput;
+use super::latent_code::LatentCode;
 use super::output_arrays::OutputArrays;
 pub use super::predicted_state::{GraspState, PadState};
 use crate::autodiff::tensor::{Matrix, NoneTape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::known_pads::PadGraphs;
 use crate::linear_response::pad_graph::{PadGraph, mesh_hash};
-use crate::linear_response::{GraspLoad, loads_of};
-use crate::network::card::{Card, Trained, WEIGHTS};
+use crate::linear_response::pad_graphs::PadGraphs;
+use crate::linear_response::{GraspLoad, frame_loads};
+use crate::network::card::{Card, StoredModel, WEIGHTS};
 use crate::network::parameters::Parameters;
 use crate::network::spec::NetworkSpec;
 use crate::network::{Forward, Inputs, Network, build};
@@ -23,7 +23,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Number of load levels that are decoded together as tensors.
-const LEVELS: usize = 10;
+const TENSOR_BATCH_LEVELS: usize = 10;
 
 /// Trained model with its network.
 #[derive(Debug)]
@@ -47,18 +47,18 @@ fn pad_hash(model: &Model) -> String {
 
 /// Encoded grasp: all that decoding a load level requires.
 #[derive(Debug)]
-pub struct Seen {
+pub struct EncodedGrasp {
     features: GraspFeatures,
     code: Encoded,
     /// Flag: stress is required.
     stress: bool,
     /// Flag: the grasp is within the range of the training, apart from its forces.
-    inside: bool,
+    in_trained_range: bool,
 }
 
-impl Seen {
+impl EncodedGrasp {
     /// Disables stress if its scene does not require it; it is then empty in all answers.
-    pub fn as_needed(self) -> Self {
+    pub fn without_unneeded_stress(self) -> Self {
         Self { stress: self.features.model.needs.stress, ..self }
     }
 
@@ -76,7 +76,7 @@ impl Seen {
 #[derive(Debug)]
 enum Encoded {
     Tensors(Vec<Matrix>),
-    Engine(Code),
+    Engine(LatentCode),
 }
 
 impl Predictor {
@@ -85,7 +85,7 @@ impl Predictor {
     /// # Errors
     /// Fails if the folder holds no model, and if card or weights are damaged or do not match.
     pub fn open(model: &Path) -> Result<Self> {
-        let Trained { card, weights } = Trained::read(model)?;
+        let StoredModel { card, weights } = StoredModel::read(model)?;
         let (network, mut parameters) = build(&card.spec.network, None);
         let path = model.join(WEIGHTS);
         parameters.load(&weights, &path)?;
@@ -107,7 +107,7 @@ impl Predictor {
     }
 
     /// Returns true if the training set had pushes on the object.
-    pub fn knows_pushes(&self) -> bool {
+    pub fn supports_pushes(&self) -> bool {
         self.card.range.push[0] > 0.0
     }
 
@@ -121,9 +121,9 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if the scene is outside the trained range; the message states where.
-    pub fn admit(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
+    pub fn graph_if_in_range(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
         // Checked first, because solving for the response of a new pad is expensive.
-        self.card.range.admits(model, &pad_hash(model), extrapolate)?;
+        self.card.range.check_model(model, &pad_hash(model), extrapolate)?;
         self.graph(model)
     }
 
@@ -132,8 +132,8 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if the scene, or all of its forces, are outside the trained range; the message states where.
-    pub fn admit_some(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
-        self.card.range.admits_some(model, &pad_hash(model), extrapolate)?;
+    pub fn graph_if_some_force_in_range(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
+        self.card.range.check_model_some_force(model, &pad_hash(model), extrapolate)?;
         self.graph(model)
     }
 
@@ -141,7 +141,7 @@ impl Predictor {
     /// unknown; empty for a scene that is refused.
     pub fn notices(&self, model: &Model, extrapolate: bool) -> Vec<String> {
         let (range, hash) = (&self.card.range, pad_hash(model));
-        if range.admits_some(model, &hash, extrapolate).is_err() {
+        if range.check_model_some_force(model, &hash, extrapolate).is_err() {
             return Vec::new();
         }
         let outside = range.outside(model, &hash).into_iter().chain(range.forces_outside(model));
@@ -153,9 +153,9 @@ impl Predictor {
     }
 
     /// Returns indices and loads of the frames of `model` that have an answer.
-    pub fn answered(&self, model: &Model, extrapolate: bool) -> Vec<(usize, GraspLoad)> {
-        let loads = loads_of(model);
-        self.card.range.frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
+    pub fn answerable_loads(&self, model: &Model, extrapolate: bool) -> Vec<(usize, GraspLoad)> {
+        let loads = frame_loads(model);
+        self.card.range.answerable_frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
     }
 
     /// Returns the graph of the pads of `model`, in the trained range or not.
@@ -163,22 +163,27 @@ impl Predictor {
     /// # Errors
     /// Fails for a pad without a sensing face.
     pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(self.pads.of(&[model.finger()?])?.remove(0))
+        Ok(self.pads.get_or_build(&[model.finger()?])?.remove(0))
     }
 
     /// Encodes a grasp at first contact, with the only pass of message passing.
-    pub fn look(&self, model: &Arc<Model>, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Seen {
+    pub fn encode_first_contact(
+        &self,
+        model: &Arc<Model>,
+        graph: &Arc<PadGraph>,
+        touch: &GeometricContact,
+    ) -> EncodedGrasp {
         self.encode(GraspFeatures::new(model, graph, touch))
     }
 
     /// Encodes a grasp from existing features.
-    pub fn encode(&self, features: GraspFeatures) -> Seen {
+    pub fn encode(&self, features: GraspFeatures) -> EncodedGrasp {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tensors(self.forward().encode(&self.parameters, &self.inputs(&features))),
         };
-        let inside = self.card.range.outside(&features.model, &features.graph.hash).is_none();
-        Seen { features, code, stress: true, inside }
+        let in_trained_range = self.card.range.outside(&features.model, &features.graph.hash).is_none();
+        EncodedGrasp { features, code, stress: true, in_trained_range }
     }
 
     fn forward(&self) -> &dyn Forward {
@@ -193,41 +198,43 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn at(&self, seen: &Seen, load: impl Into<GraspLoad>) -> Result<GraspState> {
-        Ok(self.states(seen, &[load.into()])?.swap_remove(0))
+    pub fn at(&self, encoded: &EncodedGrasp, load: impl Into<GraspLoad>) -> Result<GraspState> {
+        Ok(self.states(encoded, &[load.into()])?.swap_remove(0))
     }
 
     /// Predicts the states of the pads under each of `loads`.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn states(&self, seen: &Seen, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
+    pub fn states(&self, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Vec<GraspState>> {
         let mut states = Vec::with_capacity(loads.len());
-        let together = if self.engine.is_some() { FaceEngine::LOADS } else { LEVELS };
+        let together = if self.engine.is_some() { FaceEngine::LOADS_PER_BATCH } else { TENSOR_BATCH_LEVELS };
         for some in loads.chunks(together) {
-            let answer = self.answer(seen, some)?;
+            let answer = self.decode(encoded, some)?;
             states.par_extend((0..some.len()).into_par_iter().map(|level| answer.at(level)));
         }
         Ok(states)
     }
 
     /// Computes the outputs for `grasps` on pads of one graph, in their order.
-    fn outputs<'a>(&self, grasps: &'a [(&'a Seen, LoadFeatures)]) -> Vec<OutputArrays> {
-        let coded = |grasp: &'a (&'a Seen, LoadFeatures)| match &grasp.0.code {
-            Encoded::Engine(code) => Some(Decoding { features: &grasp.0.features, code, loads: &grasp.1 }),
+    fn outputs<'a>(&self, grasps: &'a [(&'a EncodedGrasp, LoadFeatures)]) -> Vec<OutputArrays> {
+        let coded = |grasp: &'a (&'a EncodedGrasp, LoadFeatures)| match &grasp.0.code {
+            Encoded::Engine(code) => Some(DecodeRequest { features: &grasp.0.features, code, loads: &grasp.1 }),
             Encoded::Tensors(_) => None,
         };
-        let together: Option<Vec<Decoding>> = grasps.iter().map(coded).collect();
+        let together: Option<Vec<DecodeRequest>> = grasps.iter().map(coded).collect();
         if let (Some(engine), Some(together)) = (&self.engine, together) {
-            return engine.decode(&together, grasps.iter().any(|(seen, _)| seen.stress));
+            return engine.decode(&together, grasps.iter().any(|(encoded, _)| encoded.stress));
         }
-        let alone = |(seen, loads): &(&Seen, LoadFeatures)| match &seen.code {
+        let alone = |(encoded, loads): &(&EncodedGrasp, LoadFeatures)| match &encoded.code {
             Encoded::Tensors(code) => {
-                let inputs = self.inputs(&seen.features);
+                let inputs = self.inputs(&encoded.features);
                 self.forward().decode(&self.parameters, &inputs, code, loads).into()
             }
             // A grasp encoded by another predictor is encoded again.
-            Encoded::Engine(_) => self.outputs(&[(&self.encode(seen.features.clone()), loads.clone())]).swap_remove(0),
+            Encoded::Engine(_) => {
+                self.outputs(&[(&self.encode(encoded.features.clone()), loads.clone())]).swap_remove(0)
+            }
         };
         grasps.iter().map(alone).collect()
     }
@@ -236,44 +243,54 @@ impl Predictor {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn answer(&self, seen: &Seen, given: &[GraspLoad]) -> Result<Answer> {
-        self.answers(&[seen], given).swap_remove(0)
+    pub fn decode(&self, encoded: &EncodedGrasp, given: &[GraspLoad]) -> Result<GraspOutput> {
+        self.decode_batch(&[encoded], given).swap_remove(0)
     }
 
     /// Computes the output of the network for each of `grasps` on pads of one graph, under each of `given`, all decoded
     /// together. A grasp fails if its numbers are not finite.
-    pub fn answers(&self, grasps: &[&Seen], given: &[GraspLoad]) -> Vec<Result<Answer>> {
-        let grasps: Vec<(&Seen, LoadFeatures)> =
-            grasps.iter().map(|seen| (*seen, seen.features.loads(given))).collect();
+    pub fn decode_batch(&self, grasps: &[&EncodedGrasp], given: &[GraspLoad]) -> Vec<Result<GraspOutput>> {
+        let grasps: Vec<(&EncodedGrasp, LoadFeatures)> =
+            grasps.iter().map(|encoded| (*encoded, encoded.features.loads(given))).collect();
         let outputs = self.outputs(&grasps);
-        grasps.into_iter().zip(outputs).map(|((seen, loads), out)| self.checked(seen, given, loads, out)).collect()
+        grasps
+            .into_iter()
+            .zip(outputs)
+            .map(|((encoded, loads), out)| self.checked(encoded, given, loads, out))
+            .collect()
     }
 
     /// Returns the answer with the travel consistent with its displacement field, and its error indicators.
-    fn checked(&self, seen: &Seen, given: &[GraspLoad], loads: LoadFeatures, out: OutputArrays) -> Result<Answer> {
-        let (features, norms) = (&seen.features, self.card.normalisers.clone());
+    fn checked(
+        &self,
+        encoded: &EncodedGrasp,
+        given: &[GraspLoad],
+        loads: LoadFeatures,
+        out: OutputArrays,
+    ) -> Result<GraspOutput> {
+        let (features, norms) = (&encoded.features, self.card.normalisers.clone());
         let (graph, pads) = (features.graph.clone(), features.pads);
         let (young, unit_force) = (features.young, features.unit_force());
-        let mut answer = Answer {
+        let mut answer = GraspOutput {
             loads,
             out,
             norms,
             graph,
             pads,
-            stress: seen.stress,
+            stress: encoded.stress,
             young,
             unit_force,
             travel: Vec::new(),
-            signs: Vec::new(),
+            error_indicators: Vec::new(),
             interval: self.card.interval(),
-            known: Vec::new(),
+            interval_valid: Vec::new(),
         };
         // A prediction interval is valid only within the range of the training.
-        let known = |load: &GraspLoad| seen.inside && self.card.range.holds_force(load.force);
-        answer.known = answer.loads.load.iter().map(known).collect();
+        let known = |load: &GraspLoad| encoded.in_trained_range && self.card.range.contains_force(load.force);
+        answer.interval_valid = answer.loads.load.iter().map(known).collect();
         match (0..given.len()).find(|level| !answer.is_finite(*level)) {
             None => {
-                answer.touch(features);
+                answer.correct_travel(features);
                 Ok(answer)
             }
             Some(bad) => {

@@ -16,9 +16,9 @@ pub struct PadState {
     /// Travel of the finger since first contact, m.
     pub travel: f64,
     /// Translation of the object (of its point midway between the pads) since first contact, m.
-    pub shift: DVec3,
+    pub translation: DVec3,
     /// Rotation vector of the object since first contact.
-    pub turn: DVec3,
+    pub rotation_vector: DVec3,
 }
 
 /// State predicted for a grasp at one load level.

@@ -4,11 +4,11 @@
 //! Loads are interleaved, one SIMD register at a time.
 
 use super::heads::Channels;
-use crate::autodiff::ops::LITTLE;
+use crate::autodiff::ops::STRESS_REGULARISATION;
 use crate::linear_response::compliance::Compliance;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::matrix::activation::Act;
-use crate::matrix::product::{Packed, Product, RowsView, padded};
+use crate::matrix::product::{PackedMatrix, Product, RowsView, padded};
 use crate::network::Normalisers;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -17,26 +17,31 @@ use rayon::prelude::*;
 const BLOCK: usize = 16;
 /// Workspace of a pass.
 #[derive(Debug, Default)]
-pub struct Memory {
-    forces: Packed,
+pub struct ResponseWorkspace {
+    forces: PackedMatrix,
     moved: Vec<f32>,
     at_nodes: Vec<f32>,
 }
 
 /// Computes the response of a pad of this graph to the contact forces of `items` (face nodes, 3: fraction of the force,
 /// friction along x and y), each with its scale; with `stress` if required.
-pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, memory: &'a mut Memory) -> Given<'a> {
+pub fn linear_response<'a>(
+    graph: &'a PadGraph,
+    items: &[(&[f32], f32)],
+    stress: bool,
+    memory: &'a mut ResponseWorkspace,
+) -> LinearResponse<'a> {
     let pad = &graph.compliance;
     let (forced, items, k) = (items, items.len(), pad.forces);
     let wide = padded(items);
-    let Memory { forces, moved, at_nodes } = memory;
+    let ResponseWorkspace { forces, moved, at_nodes } = memory;
     // From (against the closing direction, x, y) to (x, y, z) of the pad.
     let turn = [(1, 1.0), (2, 1.0), (0, -1.0)];
     forces.fill(k, items, |r, item| {
         let ((from, sign), (contact, scale)) = (turn[r % 3], forced[item]);
         sign * scale * contact[r - r % 3 + from]
     });
-    moved.resize(pad.moving() * wide, 0.0);
+    moved.resize(pad.displacement_count() * wide, 0.0);
     let rows = 3 * BLOCK;
     moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
         let a = RowsView { data: response, stride: k, count: out.len() / wide };
@@ -47,11 +52,11 @@ pub fn respond<'a>(graph: &'a PadGraph, items: &[(&[f32], f32)], stress: bool, m
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
         Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, stress, out });
     });
-    Given { graph, pad, items, stress, at_nodes }
+    LinearResponse { graph, pad, items, stress, at_nodes }
 }
 
-/// Counts multiplications and additions of [`respond`] and [`Given::correct`] for a pad under one load, and the bytes
-/// of the response, which is read once per group of loads.
+/// Counts multiplications and additions of [`linear_response`] and [`LinearResponse::correct`] for a pad under one
+/// load, and the bytes of the response, which is read once per group of loads.
 pub(crate) fn cost(graph: &PadGraph, stress: bool) -> (f64, f64) {
     let pad = &graph.compliance;
     let of_stress = |node: usize| if stress { 22.0 * pad.deviator.of(node).0.len() as f64 } else { 0.0 };
@@ -118,7 +123,7 @@ impl WithSimd for NodeBlock<'_> {
 
 /// Linear response of all nodes at all loads.
 #[derive(Debug)]
-pub struct Given<'a> {
+pub struct LinearResponse<'a> {
     graph: &'a PadGraph,
     pad: &'a Compliance,
     items: usize,
@@ -127,7 +132,7 @@ pub struct Given<'a> {
     at_nodes: &'a [f32],
 }
 
-impl Given<'_> {
+impl LinearResponse<'_> {
     /// Returns the response of the items from index `first` on, corrected by the network's channels of these items, in
     /// its units: displacement (items, nodes, 3) and stress (items, nodes), which is empty if not required.
     pub fn correct(&self, first: usize, heads: &Channels, norms: &Normalisers) -> (Vec<f32>, Vec<f32>) {
@@ -151,7 +156,7 @@ impl Given<'_> {
                     beyond.iter_mut().zip(channel.displacement).for_each(|(b, v)| *b += weight * v);
                 }
                 if let Some(s) = stress.get_mut(node) {
-                    *s = (given[3] * force + LITTLE * LITTLE).sqrt() * factor + more;
+                    *s = (given[3] * force + STRESS_REGULARISATION * STRESS_REGULARISATION).sqrt() * factor + more;
                 }
                 if self.pad.slot[node].is_some() {
                     *u = [0, 1, 2].map(|k| given[k] * length * beyond[3 + k] + beyond[k]);

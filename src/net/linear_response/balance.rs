@@ -84,7 +84,7 @@ impl ObjectBalance {
         let mut given = Mat::<f64>::zeros(EQUATIONS, EQUATIONS);
         for (i, (mode, at)) in modes.iter().zip(&place).enumerate() {
             let pad = i / pads[0].nodes.len();
-            for (force, mode) in axes[pad][1..].iter().zip(taken(mode)) {
+            for (force, mode) in axes[pad][1..].iter().zip(tangential_contributions(mode)) {
                 for (k, w) in wrench(*force, *at).iter().enumerate() {
                     (0..3).for_each(|m| given[(k, 3 * pad + m)] += w * mode[m]);
                 }
@@ -123,16 +123,16 @@ impl ObjectBalance {
     }
 
     /// Returns the contributions per unit of each pull and twist along x and y at node `i`: [`EQUATIONS`] each.
-    pub fn pulls(&self, i: usize) -> [[f32; EQUATIONS]; 2] {
+    pub fn correction_contributions(&self, i: usize) -> [[f32; EQUATIONS]; 2] {
         let mut all = [[0.0; EQUATIONS]; 2];
-        for (all, own) in all.iter_mut().zip(taken(&self.modes[i])) {
+        for (all, own) in all.iter_mut().zip(tangential_contributions(&self.modes[i])) {
             all[3 * self.pad(i)..][..3].copy_from_slice(&own);
         }
         all
     }
 
     /// Returns the map from the imbalance to pulls and twists, and the load that is carried.
-    pub fn solution(&self) -> (&[[f32; EQUATIONS]; EQUATIONS], &[f32; EQUATIONS]) {
+    pub fn correction_map(&self) -> (&[[f32; EQUATIONS]; EQUATIONS], &[f32; EQUATIONS]) {
         (&self.inverse, &self.load)
     }
 
@@ -152,8 +152,8 @@ impl ObjectBalance {
         let pulls = self.inverse.map(|row| row.iter().zip(&left).map(|(k, v)| T::from(*k) * *v).sum::<T>());
         for (i, c) in contact.as_chunks_mut::<3>().0.iter_mut().enumerate() {
             let own = &pulls[3 * self.pad(i)..][..3];
-            let [along_x, along_y] =
-                taken(&self.modes[i]).map(|mode| mode.iter().zip(own).map(|(m, p)| T::from(*m) * *p).sum::<T>());
+            let [along_x, along_y] = tangential_contributions(&self.modes[i])
+                .map(|mode| mode.iter().zip(own).map(|(m, p)| T::from(*m) * *p).sum::<T>());
             c[1] += x * along_x;
             c[2] += y * along_y;
         }
@@ -166,7 +166,7 @@ impl ObjectBalance {
         let mut pulls = [T::from(0.0); EQUATIONS];
         for (i, g) in gradient.as_chunks::<3>().0.iter().enumerate() {
             let own = &mut pulls[3 * self.pad(i)..][..3];
-            for (mode, g) in taken(&self.modes[i]).iter().zip([x * g[1], y * g[2]]) {
+            for (mode, g) in tangential_contributions(&self.modes[i]).iter().zip([x * g[1], y * g[2]]) {
                 own.iter_mut().zip(mode).for_each(|(p, m)| *p += T::from(*m) * g);
             }
         }
@@ -189,6 +189,6 @@ fn wrench(force: DVec3, at: DVec3) -> [f64; EQUATIONS] {
 
 /// Returns the contributions of the pulls along x and y and the twist of a pad, along x and y, at a node with these
 /// modes.
-fn taken<T: Copy + Default + std::ops::Neg<Output = T>>([share, x, y]: &[T; 3]) -> [[T; 3]; 2] {
-    [[*share, T::default(), -*y], [T::default(), *share, *x]]
+fn tangential_contributions<T: Copy + Default + std::ops::Neg<Output = T>>([fraction, x, y]: &[T; 3]) -> [[T; 3]; 2] {
+    [[*fraction, T::default(), -*y], [T::default(), *fraction, *x]]
 }

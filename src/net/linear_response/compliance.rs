@@ -5,11 +5,11 @@
 //! more accurate than that of the pad's own mesh. Displacements are over the thickness per force over `E t^2`, pad
 //! frame. Bonded nodes do not move; stress is local: it follows from the displacements of the neighbours of a node.
 
-use super::deviator::{Deviator, deviators};
+use super::deviator::{DeviatoricStressMap, deviatoric_stress_map};
 use super::refined_pad::RefinedPad;
 use crate::matrix::Sparse;
-use crate::matrix::numbers::Numbers;
-use crate::matrix::product::{LANES, Packed, RowsView, respond};
+use crate::matrix::numbers::F32Array;
+use crate::matrix::product::{LANES, PackedMatrix, RowsView, multiply_lanes};
 use base::error::{Error, Result};
 use glam::DVec3;
 use mech::body::cholesky::Factor;
@@ -29,11 +29,11 @@ pub struct Compliance {
     /// Index of the first of the three rows in `response` of each movable node, over three; face nodes come first.
     pub slot: Vec<Option<u32>>,
     /// Response (movable nodes * 3, forces) of every displacement component to each force component.
-    pub response: Numbers,
+    pub response: F32Array,
     /// Map from movable nodes to all nodes; rows of bonded nodes are empty.
     pub scatter: Arc<Sparse>,
     /// Map from displacements to the deviatoric stress of every node over `E`.
-    pub deviator: Deviator,
+    pub deviator: DeviatoricStressMap,
 }
 
 impl Compliance {
@@ -93,19 +93,24 @@ impl Compliance {
         for (f, row) in rows.chunks_exact(width.max(1)).enumerate() {
             row.iter().enumerate().for_each(|(c, v)| response[c * forces.len() + f] = *v);
         }
-        let deviator = deviators(finger, &slot, thickness);
+        let deviator = deviatoric_stress_map(finger, &slot, thickness);
         Ok(Self::from_parts(slot, response.into(), forces.len(), deviator))
     }
 
     /// Creates a response from parts that were computed earlier.
-    pub fn from_parts(slot: Vec<Option<u32>>, response: Numbers, forces: usize, deviator: Deviator) -> Self {
+    pub fn from_parts(
+        slot: Vec<Option<u32>>,
+        response: F32Array,
+        forces: usize,
+        deviator: DeviatoricStressMap,
+    ) -> Self {
         let rows: Vec<Vec<(u32, f32)>> = slot.iter().map(|slot| slot.iter().map(|s| (*s, 1.0)).collect()).collect();
         let scatter = Sparse::new(&rows, response.len() / (3 * forces).max(1));
         Self { nodes: slot.len(), forces, slot, response, scatter, deviator }
     }
 
     /// Returns the number of displacement components: three per movable node.
-    pub fn moving(&self) -> usize {
+    pub fn displacement_count(&self) -> usize {
         self.response.len() / self.forces.max(1)
     }
 
@@ -116,15 +121,15 @@ impl Compliance {
     }
 
     /// Returns the displacements of the nodes `face` under forces on them, for each of at most [`LANES`] loads.
-    pub fn on_face(&self, face: &[u32], loads: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
-        let mut forces = Packed::default();
+    pub fn face_displacements(&self, face: &[u32], loads: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
+        let mut forces = PackedMatrix::default();
         let of = |r: usize, load: usize| loads.get(load).map_or(0.0, |forces| forces[r / 3][r % 3] as f32);
         forces.fill(self.forces, LANES, of);
         // The nodes of the face come first.
         let rows = 3 * face.iter().filter(|node| self.slot[**node as usize].is_some()).count();
         let mut moved = vec![0.0; rows * LANES];
         let a = RowsView { data: &self.response, stride: self.forces, count: rows };
-        respond(a, &forces, loads.len(), &mut moved);
+        multiply_lanes(a, &forces, loads.len(), &mut moved);
         let given = |node: &u32, load: usize| match self.slot[*node as usize] {
             Some(slot) => {
                 DVec3::from_array([0, 1, 2].map(|c| f64::from(moved[(3 * slot as usize + c) * LANES + load])))

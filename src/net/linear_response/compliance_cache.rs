@@ -5,8 +5,8 @@
 //! the same content. A folder that cannot be written only costs time; a damaged file is removed and created again.
 
 use super::compliance::Compliance;
-use super::deviator::{Deviator, PARTS};
-use crate::matrix::numbers::Map;
+use super::deviator::{DeviatoricStressMap, PARTS};
+use crate::matrix::numbers::MappedFile;
 use base::files::atomic::{create_dir, write_atomic};
 use etcetera::BaseStrategy;
 use model::part::FingerModel;
@@ -79,7 +79,7 @@ impl ComplianceCache {
         let file = File::open(&path).ok()?;
         // The modification time is that of the last use, for `make_room`; a folder of another user keeps its times.
         let _ = file.set_modified(SystemTime::now());
-        let found = Map::of(&file).and_then(|map| response(&map, key));
+        let found = MappedFile::of(&file).and_then(|map| response(&map, key));
         if found.is_none() {
             let _ = std::fs::remove_file(&path);
         }
@@ -115,7 +115,7 @@ impl ComplianceCache {
 }
 
 /// Returns the response in an undamaged file with this key.
-fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
+fn response(map: &MappedFile, key: &ComplianceKey) -> Option<Compliance> {
     let (body, sum) = map.bytes().split_last_chunk::<SUM>()?;
     if blake3::hash(body).as_bytes() != sum {
         return None;
@@ -138,13 +138,13 @@ fn response(map: &Map, key: &ComplianceKey) -> Option<Compliance> {
     let integers = |name: &str| Some(numbers(name, Dtype::U32)?.0.iter().map(|v| v.to_bits()).collect::<Vec<u32>>());
     let [slot, start, neighbour] = [integers("slot")?, integers("start")?, integers("neighbour")?];
     let slot = slot.into_iter().map(|s| (s != NONE).then_some(s)).collect();
-    Some(Compliance::from_parts(slot, response, forces, Deviator { start, slot: neighbour, parts }))
+    Some(Compliance::from_parts(slot, response, forces, DeviatoricStressMap { start, slot: neighbour, parts }))
 }
 
 /// Returns the content of the file of a response.
 fn content(key: &ComplianceKey, compliance: &Compliance) -> Option<Vec<u8>> {
-    let Deviator { start, slot, parts } = &compliance.deviator;
-    let (forces, rows) = (compliance.forces, compliance.moving());
+    let DeviatoricStressMap { start, slot, parts } = &compliance.deviator;
+    let (forces, rows) = (compliance.forces, compliance.displacement_count());
     let slots: Vec<u32> = compliance.slot.iter().map(|s| s.unwrap_or(NONE)).collect();
     let all = [
         ("response", Dtype::F32, vec![rows, forces], bytes(&compliance.response)),

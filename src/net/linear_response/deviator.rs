@@ -1,7 +1,7 @@
 //! Deviatoric stress at the nodes of a pad from small displacements, as [`mech::body::Body::cauchy`] recovers
 //! it.
 
-use crate::matrix::numbers::Numbers;
+use crate::matrix::numbers::F32Array;
 use glam::DVec3;
 use mech::element::{EDGES, RestTet, ShapeFunctions, TET4, TET10};
 use model::part::FingerModel;
@@ -13,16 +13,16 @@ pub const PARTS: usize = 12;
 
 /// Deviatoric stress of every node as a linear map of the displacements of its neighbours.
 #[derive(Debug, Clone)]
-pub struct Deviator {
+pub struct DeviatoricStressMap {
     /// Start of the neighbours of each node, and their total number at the end.
     pub start: Vec<u32>,
     /// Slots of the neighbours among the movable nodes.
     pub slot: Vec<u32>,
     /// Coefficients of the neighbours: (neighbours, [`PARTS`]).
-    pub parts: Numbers,
+    pub parts: F32Array,
 }
 
-impl Deviator {
+impl DeviatoricStressMap {
     /// Returns the slots and coefficients of the neighbours of a node.
     #[inline(always)]
     pub fn of(&self, node: usize) -> (&[u32], &[[f32; PARTS]]) {
@@ -35,7 +35,7 @@ impl Deviator {
 /// with a slot, pad frame.
 ///
 /// For small strains, every law of the gel reduces to Hooke's: `s = 2 mu dev(eps)`, and `2 mu / E = 1 / (1 + nu)`.
-pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> Deviator {
+pub fn deviatoric_stress_map(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> DeviatoricStressMap {
     let pad = &finger.topology;
     let scale = thickness / (1.0 + finger.body.material.moduli().poisson);
     let mut sums = vec![(BTreeMap::new(), 0.0); pad.rest.len()];
@@ -53,7 +53,7 @@ pub fn deviators(finger: &FingerModel, slot: &[Option<u32>], thickness: f64) -> 
         }
         start.push(near.len() as u32);
     }
-    Deviator { start, slot: near, parts: all.into() }
+    DeviatoricStressMap { start, slot: near, parts: all.into() }
 }
 
 /// Adds, for every node of a tetrahedron, the gradients of the shape functions at this node times the volume.

@@ -18,38 +18,38 @@ type Lanes<T> = [T; LANES];
 impl Compliance {
     /// Computes the displacements of the movable nodes (n, moving) under forces (n, forces).
     pub fn displacements<T: Number>(&self, force: &[T]) -> Vec<T> {
-        let (k, m) = (self.forces, self.moving());
+        let (k, m) = (self.forces, self.displacement_count());
         let n = force.len() / k.max(1);
         let (x, mut y) = (interleaved(force, k), zeros(n, m));
         Arch::new().dispatch(Times { pad: self, x: &x, y: &mut y });
-        one_by_one(&y, m, n)
+        deinterleaved(&y, m, n)
     }
 
     /// Applies the transpose of [`Self::displacements`]: (n, moving) to (n, forces).
     pub fn displacements_transposed<T: Number>(&self, moved: &[T]) -> Vec<T> {
-        let (k, m) = (self.forces, self.moving());
+        let (k, m) = (self.forces, self.displacement_count());
         let n = moved.len() / m.max(1);
         let (y, mut x) = (interleaved(moved, m), zeros(n, k));
         Arch::new().dispatch(TimesTransposed { pad: self, y: &y, x: &mut x });
-        one_by_one(&x, k, n)
+        deinterleaved(&x, k, n)
     }
 
     /// Computes the deviatoric stress of all nodes (n, nodes * 5) from displacements of the movable nodes (n, moving).
     pub fn stresses<T: Number>(&self, moved: &[T]) -> Vec<T> {
-        let (m, s) = (self.moving(), 5 * self.nodes);
+        let (m, s) = (self.displacement_count(), 5 * self.nodes);
         let n = moved.len() / m.max(1);
         let (u, mut sum) = (interleaved(moved, m), zeros(n, s));
         Arch::new().dispatch(Deviate { pad: self, u: &u, s: &mut sum });
-        one_by_one(&sum, s, n)
+        deinterleaved(&sum, s, n)
     }
 
     /// Applies the transpose of [`Self::stresses`]: (n, nodes * 5) to (n, moving).
     pub fn stresses_transposed<T: Number>(&self, stress: &[T]) -> Vec<T> {
-        let (m, s) = (self.moving(), 5 * self.nodes);
+        let (m, s) = (self.displacement_count(), 5 * self.nodes);
         let n = stress.len() / s.max(1);
         let (ds, mut sum) = (interleaved(stress, s), zeros(n, m));
         Arch::new().dispatch(DeviateTransposed { pad: self, s: &ds, u: &mut sum });
-        one_by_one(&sum, m, n)
+        deinterleaved(&sum, m, n)
     }
 }
 
@@ -66,7 +66,7 @@ impl<T: Number> WithSimd for Times<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, x, y } = self;
-        let (k, m) = (pad.forces, pad.moving());
+        let (k, m) = (pad.forces, pad.displacement_count());
         // Three rows per node.
         for (node, rows) in pad.response.chunks_exact(3 * k).enumerate() {
             let (a, rest) = rows.split_at(k);
@@ -107,7 +107,7 @@ impl<T: Number> WithSimd for TimesTransposed<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, y, x } = self;
-        let (k, m) = (pad.forces, pad.moving());
+        let (k, m) = (pad.forces, pad.displacement_count());
         for (block, rows) in pad.response.chunks(ROWS * k).enumerate() {
             for (x, y) in x.chunks_exact_mut(k).zip(y.chunks_exact(m)) {
                 let y = &y[ROWS * block..m.min(ROWS * (block + 1))];
@@ -147,7 +147,7 @@ impl<T: Number> WithSimd for Deviate<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, u, s } = self;
-        for (u, s) in u.chunks_exact(pad.moving()).zip(s.chunks_exact_mut(5 * pad.nodes)) {
+        for (u, s) in u.chunks_exact(pad.displacement_count()).zip(s.chunks_exact_mut(5 * pad.nodes)) {
             for (node, s) in s.as_chunks_mut::<5>().0.iter_mut().enumerate() {
                 let (slots, parts) = pad.deviator.of(node);
                 for (slot, part) in slots.iter().zip(parts) {
@@ -172,7 +172,7 @@ impl<T: Number> WithSimd for DeviateTransposed<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { pad, s, u } = self;
-        for (s, u) in s.chunks_exact(5 * pad.nodes).zip(u.chunks_exact_mut(pad.moving())) {
+        for (s, u) in s.chunks_exact(5 * pad.nodes).zip(u.chunks_exact_mut(pad.displacement_count())) {
             let u = u.as_chunks_mut::<3>().0;
             for (node, s) in s.as_chunks::<5>().0.iter().enumerate() {
                 let (slots, parts) = pad.deviator.of(node);
@@ -208,7 +208,7 @@ fn interleaved<T: Number>(x: &[T], cols: usize) -> Vec<Lanes<T>> {
 }
 
 /// Inverts [`interleaved`] for `rows` rows.
-fn one_by_one<T: Number>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
+fn deinterleaved<T: Number>(lanes: &[Lanes<T>], cols: usize, rows: usize) -> Vec<T> {
     let mut out = vec![T::from(0.0); rows * cols];
     for (r, row) in out.chunks_exact_mut(cols).enumerate() {
         row.iter_mut().zip(&lanes[r / LANES * cols..]).for_each(|(v, lanes)| *v = lanes[r % LANES]);

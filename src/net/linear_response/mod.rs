@@ -7,12 +7,12 @@ pub mod compliance_cache;
 pub mod deviator;
 pub mod edges;
 pub mod first_contact;
-pub mod known_pads;
 pub mod limit_surface;
 mod many_loads;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;
+pub mod pad_graphs;
 pub mod projected_gradient;
 mod refined_pad;
 pub mod rigid_equilibrium;
@@ -38,26 +38,26 @@ impl From<f64> for GraspLoad {
 
 impl GraspLoad {
     /// Returns the load in units of a force `unit` (N) and a length `thickness` (m).
-    pub fn over(self, unit: f64, thickness: f64) -> Self {
+    pub fn dimensionless(self, unit: f64, thickness: f64) -> Self {
         let Wrench { force, torque } = self.push;
         Self { force: self.force / unit, push: Wrench { force: force / unit, torque: torque / (unit * thickness) } }
     }
 }
 
 /// Returns the loads of a model's frames.
-pub fn loads_of(model: &Model) -> Vec<GraspLoad> {
+pub fn frame_loads(model: &Model) -> Vec<GraspLoad> {
     let push = |frame: usize| model.push.as_ref().map(|push| push.at(model.push_part(frame))).unwrap_or_default();
     model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
 }
 
 /// Returns the midpoint between the pads at zero travel, m, hand frame.
-pub fn amid(model: &Model) -> DVec3 {
+pub fn midpoint_between_pads(model: &Model) -> DVec3 {
     model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
 /// Returns the two of `rungs` (ascending) that enclose `force`, and its relative position between the lower and the
 /// higher one; None outside.
-pub fn around<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)> {
+pub fn enclosing_pair<T>(rungs: &[(f64, T)], force: f64) -> Option<(&T, &T, f64)> {
     let above = rungs.partition_point(|(rung, _)| *rung < force);
     let (high, after) = rungs.get(above)?;
     let (low, before) = rungs.get(above.checked_sub(1)?)?;

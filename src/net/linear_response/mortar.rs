@@ -20,9 +20,9 @@ const NEIGHBOURS: f64 = 6.0;
 #[derive(Debug, Clone)]
 pub struct MortarBasis {
     /// Weights of the face nodes in the force of a basis function; they sum to one.
-    pub parts: Vec<Vec<(u32, f64)>>,
+    pub node_weights: Vec<Vec<(u32, f64)>>,
     /// Point of application of each force in the reference state, m.
-    pub rest: Vec<DVec3>,
+    pub centers: Vec<DVec3>,
     /// Root mean square distance of its nodes from there, m.
     pub radius: Vec<f64>,
     /// Compliance (basis functions * 3, basis functions * 3), symmetric: mean displacement under a basis function by
@@ -82,12 +82,17 @@ impl MortarBasis {
         let around = |(part, center): (&Vec<(u32, f64)>, &DVec3)| {
             part.iter().map(|(i, w)| rest[*i as usize].distance_squared(*center) * w).sum::<f64>().sqrt()
         };
-        Self { radius: parts.iter().zip(&center).map(around).collect(), rest: center, parts, compliance }
+        Self {
+            radius: parts.iter().zip(&center).map(around).collect(),
+            centers: center,
+            node_weights: parts,
+            compliance,
+        }
     }
 
     /// Returns the number of basis functions.
     pub fn count(&self) -> usize {
-        self.parts.len()
+        self.node_weights.len()
     }
 
     /// Returns a row of the compliance: component `k` under basis function `function`, by force components.
@@ -97,13 +102,13 @@ impl MortarBasis {
     }
 
     /// Returns the response of a basis function to its own force, averaged over the directions.
-    pub fn own(&self, function: usize) -> f64 {
+    pub fn self_compliance(&self, function: usize) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|k| self.row(function, k)[3 * function + k]);
         (x + y + z) / 3.0
     }
 
     /// Returns the mean displacement under every basis function when they press with `forces`.
-    pub fn respond(&self, forces: &[DVec3]) -> Vec<DVec3> {
+    pub fn displacements(&self, forces: &[DVec3]) -> Vec<DVec3> {
         let mut moved = vec![0.0; 3 * self.count()];
         for (function, force) in forces.iter().enumerate().filter(|(_, force)| **force != DVec3::ZERO) {
             for k in 0..3 {
@@ -116,16 +121,16 @@ impl MortarBasis {
 
     /// Returns the forces on the corner nodes of the elements: a force on a midpoint node is split between the ends of
     /// its edge.
-    pub fn gathered(&self, forces: &[DVec3]) -> Vec<DVec3> {
+    pub fn corner_forces(&self, forces: &[DVec3]) -> Vec<DVec3> {
         // Every node occurs twice in the functions around it.
         let of = |part: &Vec<(u32, f64)>| part.iter().map(|(i, _)| forces[*i as usize] * 0.5).sum();
-        self.parts.iter().map(of).collect()
+        self.node_weights.iter().map(of).collect()
     }
 
     /// Returns the forces on `nodes` face nodes when the basis functions press with `forces`.
-    pub fn on_face(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
+    pub fn face_forces(&self, forces: &[DVec3], nodes: usize) -> Vec<DVec3> {
         let mut out = vec![DVec3::ZERO; nodes];
-        for (part, force) in self.parts.iter().zip(forces) {
+        for (part, force) in self.node_weights.iter().zip(forces) {
             part.iter().for_each(|(i, w)| out[*i as usize] += *force * *w);
         }
         out

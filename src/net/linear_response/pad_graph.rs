@@ -55,7 +55,7 @@ pub struct PadGraph {
     /// Gradient along x and y at each face node: weights of the nodes around it, 1/m.
     pub gradient: Vec<Vec<(u32, DVec2)>>,
     /// Bounds of the face along x and y, m.
-    pub ends: [DVec2; 2],
+    pub bounds: [DVec2; 2],
     /// Edges between face nodes.
     pub edges: Edges,
     /// Rows (face node, depth channel) -> nodes of the pad.
@@ -111,7 +111,7 @@ impl PadGraph {
             Layout::Face { depths } => depths,
             Layout::Volume => 1,
         };
-        let rows = hanging(&pad.rest, &rest, &triangles, thickness, depths);
+        let rows = interpolation_rows(&pad.rest, &rest, &triangles, thickness, depths);
         let free: Vec<_> =
             rows.iter().zip(&pad.bonded).map(|(row, bonded)| if *bonded { Vec::new() } else { row.clone() }).collect();
         let compliance = Arc::new(response(finger, &face, thickness, &hash, cache)?);
@@ -125,7 +125,7 @@ impl PadGraph {
             interpolate_free: Sparse::new(&free, n * depths),
             gradient: gradient(&rest, &triangles),
             to_rim: to_rim(&rest, &triangles, thickness),
-            ends: [
+            bounds: [
                 rest.iter().map(|x| x.xy()).fold(DVec2::INFINITY, DVec2::min),
                 rest.iter().map(|x| x.xy()).fold(DVec2::NEG_INFINITY, DVec2::max),
             ],
@@ -140,12 +140,12 @@ impl PadGraph {
     }
 
     /// Returns true if the bounding box of the face contains a point.
-    pub fn covers(&self, at: DVec2) -> bool {
-        at.cmpge(self.ends[0]).all() && at.cmple(self.ends[1]).all()
+    pub fn bounds_contain(&self, at: DVec2) -> bool {
+        at.cmpge(self.bounds[0]).all() && at.cmple(self.bounds[1]).all()
     }
 
     /// Returns true if this is the graph of a pad with this mesh hash and Poisson's ratio.
-    pub fn is_of(&self, hash: &str, poisson: f64) -> bool {
+    pub fn matches(&self, hash: &str, poisson: f64) -> bool {
         self.poisson == poisson && self.hash == hash
     }
 }
@@ -227,7 +227,7 @@ fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, D
 
 /// Computes the interpolation of every node of the pad: (face node * depths + channel, weight), non-negative and
 /// summing to one.
-fn hanging(
+fn interpolation_rows(
     nodes: &[DVec3],
     face: &[DVec3],
     triangles: &[[u32; 3]],

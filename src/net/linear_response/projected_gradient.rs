@@ -9,7 +9,7 @@
 //! product.
 
 use super::compliance::Compliance;
-use crate::matrix::product::{Packed, RowsView, respond};
+use crate::matrix::product::{PackedMatrix, RowsView, multiply_lanes};
 use glam::DVec3;
 use mech::contact::coulomb::{kept, slips};
 use pulp::{Arch, NullaryFnOnce};
@@ -34,9 +34,9 @@ pub struct ContactNode {
     /// Normal of the object; the same under all loads.
     pub normal: DVec3,
     /// Depth along the normal that the object prescribes at the node; negative is a gap.
-    pub pressed: f64,
+    pub prescribed_depth: f64,
     /// Displacement along the face that the object prescribes at the node.
-    pub dragged: DVec3,
+    pub prescribed_sliding: DVec3,
     /// Initial force.
     pub force: DVec3,
 }
@@ -44,11 +44,12 @@ pub struct ContactNode {
 /// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns, for each, the forces on all of
 /// `face`, and the additional closing of the pad that they require.
 pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
-    let deepest: Vec<f64> = face.iter().map(|load| load.iter().map(|n| n.pressed).fold(0.0, f64::max)).collect();
+    let deepest: Vec<f64> =
+        face.iter().map(|load| load.iter().map(|n| n.prescribed_depth).fold(0.0, f64::max)).collect();
     // Participation of each node, from zero to one: smooth, so that the forces do not jump when a node comes near.
     let part = |(load, deepest): (&Vec<ContactNode>, &f64)| -> Vec<f64> {
         let of = |node: &ContactNode| {
-            let near = (node.pressed / (REACH * deepest.max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
+            let near = (node.prescribed_depth / (REACH * deepest.max(f64::MIN_POSITIVE)) + 1.0).clamp(0.0, 1.0);
             if node.normal == DVec3::ZERO { 0.0 } else { near * near * (3.0 - 2.0 * near) }
         };
         load.iter().map(of).collect()
@@ -63,15 +64,15 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], fri
     }
     let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, &part, friction);
     for step in 0..STEPS {
-        iteration.respond();
+        iteration.update_displacements();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
         Arch::new().dispatch(Step { iteration: &mut iteration, momentum });
     }
-    for (load, (forces, closer)) in done.iter_mut().enumerate() {
+    for (load, (forces, additional_closing)) in done.iter_mut().enumerate() {
         for (k, i) in near.iter().enumerate().filter(|(_, i)| part[load][**i] > 0.0) {
             forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
         }
-        *closer = iteration.closer[load];
+        *additional_closing = iteration.additional_closing[load];
     }
     done
 }
@@ -82,8 +83,8 @@ struct Node {
     normal: [f64; 3],
     /// Inverse of the normal response of the node to a force on itself, times its participation.
     stiff: Lanes,
-    pressed: Lanes,
-    dragged: [Lanes; 3],
+    prescribed_depth: Lanes,
+    prescribed_sliding: [Lanes; 3],
     force: [Lanes; 3],
     /// Force extrapolated by the momentum.
     ahead: [Lanes; 3],
@@ -104,13 +105,13 @@ struct ProjectedGradient {
     along: [Lanes; 2],
     deepest: Lanes,
     /// Additional closing of the pad, and its sliding.
-    closer: Lanes,
-    slid: [Lanes; 2],
+    additional_closing: Lanes,
+    sliding: [Lanes; 2],
     loads: usize,
     /// Coulomb's coefficient.
     friction: f64,
     /// Forces (nodes * 3, [`LANES`]), and the displacements that they cause.
-    forces: Packed,
+    forces: PackedMatrix,
     moved: Vec<f32>,
 }
 
@@ -139,11 +140,11 @@ impl ProjectedGradient {
             whole: [0.0; LANES],
             along: [[0.0; LANES]; 2],
             deepest: [0.0; LANES],
-            closer: [0.0; LANES],
-            slid: [[0.0; LANES]; 2],
+            additional_closing: [0.0; LANES],
+            sliding: [[0.0; LANES]; 2],
             loads: face.len(),
             friction,
-            forces: Packed::default(),
+            forces: PackedMatrix::default(),
             moved: vec![0.0; 3 * m * LANES],
             matrix,
         };
@@ -162,11 +163,11 @@ impl ProjectedGradient {
                     continue;
                 }
                 node.stiff[load] = stiff * part[k][load];
-                node.pressed[load] = at.pressed;
+                node.prescribed_depth[load] = at.prescribed_depth;
                 let pressure = at.force.dot(at.normal);
                 all.whole[load] += pressure;
                 for a in 0..3 {
-                    node.dragged[a][load] = at.dragged[a];
+                    node.prescribed_sliding[a][load] = at.prescribed_sliding[a];
                     node.force[a][load] = at.force[a];
                 }
                 (0..2).for_each(|a| all.along[a][load] += at.force[a] - n[a] * pressure);
@@ -186,11 +187,11 @@ impl ProjectedGradient {
     }
 
     /// Computes the displacements under the extrapolated forces.
-    fn respond(&mut self) {
+    fn update_displacements(&mut self) {
         let nodes = &self.nodes;
         self.forces.fill(3 * nodes.len(), LANES, |r, load| nodes[r / 3].ahead[r % 3][load] as f32);
         let a = RowsView { data: &self.matrix, stride: 3 * nodes.len(), count: 3 * nodes.len() };
-        respond(a, &self.forces, self.loads, &mut self.moved);
+        multiply_lanes(a, &self.forces, self.loads, &mut self.moved);
     }
 
     /// Takes a step, and extrapolates the forces for the next one.
@@ -203,7 +204,7 @@ impl ProjectedGradient {
                 let at = |v: &[Lanes; 3]| n[0] * v[0][l] + n[1] * v[1][l] + n[2] * v[2][l];
                 let given = n[0] * f64::from(u[0][l]) + n[1] * f64::from(u[1][l]) + n[2] * f64::from(u[2][l]);
                 let gain = self.size[l] * node.stiff[l];
-                node.pressure[l] = at(&node.ahead) + gain * (node.pressed[l] - given);
+                node.pressure[l] = at(&node.ahead) + gain * (node.prescribed_depth[l] - given);
             }
         }
         // Newton's method on a piecewise linear function preserves the sum of the pressures.
@@ -212,23 +213,24 @@ impl ProjectedGradient {
             for node in &self.nodes {
                 for l in 0..LANES {
                     let gain = self.size[l] * node.stiff[l];
-                    let p = node.pressure[l] + gain * self.closer[l];
+                    let p = node.pressure[l] + gain * self.additional_closing[l];
                     sum[l] += if p > 0.0 { p } else { 0.0 };
                     slope[l] += if p > 0.0 { gain } else { 0.0 };
                 }
             }
             for l in 0..LANES {
                 let lacks = (self.whole[l] - sum[l]) / slope[l];
-                self.closer[l] += if slope[l] > 0.0 { lacks } else { self.deepest[l] };
+                self.additional_closing[l] += if slope[l] > 0.0 { lacks } else { self.deepest[l] };
             }
         }
         for (node, u) in self.nodes.iter_mut().zip(moved) {
             let n = node.normal;
             for l in 0..LANES {
                 let gain = self.size[l] * node.stiff[l];
-                let p = node.pressure[l] + gain * self.closer[l];
+                let p = node.pressure[l] + gain * self.additional_closing[l];
                 node.pressure[l] = if p > 0.0 { p } else { 0.0 };
-                let wanted = [0, 1, 2].map(|a| node.ahead[a][l] + (node.dragged[a][l] - f64::from(u[a][l])) * gain);
+                let wanted =
+                    [0, 1, 2].map(|a| node.ahead[a][l] + (node.prescribed_sliding[a][l] - f64::from(u[a][l])) * gain);
                 let out = n[0] * wanted[0] + n[1] * wanted[1] + n[2] * wanted[2];
                 (0..3).for_each(|a| node.along[a][l] = wanted[a] - n[a] * out);
             }
@@ -250,7 +252,7 @@ impl ProjectedGradient {
     #[inline(always)]
     fn slide(&mut self) {
         let (mut step, mut least) = ([[0.0; LANES]; 2], [f64::INFINITY; LANES]);
-        let mut tried = self.slid;
+        let mut tried = self.sliding;
         for _ in 0..SLIDES {
             // Deficit of the sum, and the derivative of the sum: xx, xy, yy.
             let (mut lacks, mut slope) = (self.along, [[0.0; LANES]; 3]);
@@ -258,7 +260,7 @@ impl ProjectedGradient {
                 let n = node.normal;
                 for l in 0..LANES {
                     let gain = self.size[l] * node.stiff[l];
-                    let (f, part, bends) = node.slipped(l, gain, self.friction, [tried[0][l], tried[1][l]]);
+                    let (f, part, bends) = node.sliding_force(l, gain, self.friction, [tried[0][l], tried[1][l]]);
                     lacks[0][l] -= f[0];
                     lacks[1][l] -= f[1];
                     slope[0][l] += gain * part * (1.0 - n[0] * n[0] - bends * f[0] * f[0]);
@@ -274,10 +276,10 @@ impl ProjectedGradient {
                 let bounded = determinant > 1e-9 * (xx + yy) * (xx + yy);
                 let newton = [yy * lacks[0][l] - xy * lacks[1][l], xx * lacks[1][l] - xy * lacks[0][l]];
                 for a in 0..2 {
-                    self.slid[a][l] = if better { tried[a][l] } else { self.slid[a][l] };
+                    self.sliding[a][l] = if better { tried[a][l] } else { self.sliding[a][l] };
                     let whole = if bounded { newton[a] / determinant } else { 0.0 };
                     step[a][l] = if better { whole } else { 0.5 * step[a][l] };
-                    tried[a][l] = self.slid[a][l] + step[a][l];
+                    tried[a][l] = self.sliding[a][l] + step[a][l];
                 }
                 least[l] = if better { lack } else { least[l] };
             }
@@ -285,7 +287,7 @@ impl ProjectedGradient {
         for node in &mut self.nodes {
             for l in 0..LANES {
                 let gain = self.size[l] * node.stiff[l];
-                let (f, ..) = node.slipped(l, gain, self.friction, [self.slid[0][l], self.slid[1][l]]);
+                let (f, ..) = node.sliding_force(l, gain, self.friction, [self.sliding[0][l], self.sliding[1][l]]);
                 (0..3).for_each(|a| node.along[a][l] = f[a]);
             }
         }
@@ -335,14 +337,14 @@ impl NullaryFnOnce for Sums<'_> {
 }
 
 impl Node {
-    /// Computes the force along the face after sliding by `slid`, under Coulomb's limit; the factor by which the limit
-    /// reduces it; and the inverse square of the limit where it is reached, zero elsewhere.
+    /// Computes the force along the face after sliding by `sliding`, under Coulomb's limit; the factor by which the
+    /// limit reduces it; and the inverse square of the limit where it is reached, zero elsewhere.
     #[inline(always)]
-    fn slipped(&self, load: usize, gain: f64, friction: f64, slid: [f64; 2]) -> ([f64; 3], f64, f64) {
+    fn sliding_force(&self, load: usize, gain: f64, friction: f64, sliding: [f64; 2]) -> ([f64; 3], f64, f64) {
         let n = self.normal;
-        let out = n[0] * slid[0] + n[1] * slid[1];
-        let slid = [slid[0] - n[0] * out, slid[1] - n[1] * out, -n[2] * out];
-        let wanted = [0, 1, 2].map(|a| self.along[a][load] + gain * slid[a]);
+        let out = n[0] * sliding[0] + n[1] * sliding[1];
+        let sliding = [sliding[0] - n[0] * out, sliding[1] - n[1] * out, -n[2] * out];
+        let wanted = [0, 1, 2].map(|a| self.along[a][load] + gain * sliding[a]);
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2]).sqrt();
         let most = friction * self.pressure[load];
         let part = kept(length, most);

@@ -31,7 +31,7 @@ pub fn gated<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
 
 /// Computes `(z + sqrt(z2 + 1)) / 2`, without cancellation for z << 0.
 #[inline(always)]
-pub fn positive<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
+pub fn squareplus<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let root = simd.sqrt_f32s(simd.mul_add_e_f32s(z, z, simd.splat_f32s(1.0)));
     let sum = simd.mul_f32s(simd.add_f32s(root, simd.abs_f32s(z)), simd.splat_f32s(0.5));
     let negative = simd.less_than_f32s(z, simd.splat_f32s(0.0));
@@ -65,7 +65,7 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) {
             let (z, a, b) = (S::as_simd_f32s(self.0).0, S::as_mut_simd_f32s(self.1).0, S::as_mut_simd_f32s(self.2).0);
             for i in 0..z.len() {
-                (a[i], b[i]) = (gated(simd, z[i]), positive(simd, z[i]));
+                (a[i], b[i]) = (gated(simd, z[i]), squareplus(simd, z[i]));
             }
         }
     }
@@ -78,10 +78,10 @@ mod tests {
         for ((z, a), b) in z.iter().zip(a).zip(b) {
             let z = f64::from(*z);
             let root = (1.0 + z * z).sqrt();
-            let [gated, positive] = [0.5 * z * (1.0 + z / root), 0.5 * (z + root)];
+            let [gated, squareplus] = [0.5 * z * (1.0 + z / root), 0.5 * (z + root)];
             // For z << 0 the gate cancels, so the error is absolute, a fraction of |z|.
             assert!((f64::from(a) - gated).abs() < 2e-7 * (1.0 + z.abs()), "gated({z}) = {a}, not {gated}");
-            assert!((f64::from(b) - positive).abs() < 5e-7 * positive, "positive({z}) = {b}, not {positive}");
+            assert!((f64::from(b) - squareplus).abs() < 5e-7 * squareplus, "positive({z}) = {b}, not {squareplus}");
         }
     }
 }

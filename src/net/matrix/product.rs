@@ -24,7 +24,7 @@ pub fn padded(n: usize) -> usize {
 
 /// Matrix of weights (rows, cols), stored in panels.
 #[derive(Debug, Clone, Default)]
-pub struct Packed {
+pub struct PackedMatrix {
     /// Number of rows: the inner dimension of a product.
     pub rows: usize,
     /// Number of columns, [`padded`] with zeros.
@@ -32,7 +32,7 @@ pub struct Packed {
     data: Vec<f32>,
 }
 
-impl Packed {
+impl PackedMatrix {
     /// Packs a row-major matrix with `cols` columns.
     pub fn new(weights: &[f32], cols: usize) -> Self {
         let mut packed = Self::default();
@@ -85,7 +85,7 @@ pub struct Product<'a> {
     /// Left factor; its rows have at least as many entries as `w` has rows.
     pub a: RowsView<'a>,
     /// Right factor: the weights.
-    pub w: &'a Packed,
+    pub w: &'a PackedMatrix,
     /// Flag: the previous content of `out` is added.
     pub keep: bool,
     /// Row added to every row of the result, with at least as many entries as `w` has columns.
@@ -200,8 +200,8 @@ impl Panel<'_, '_> {
 }
 
 /// Computes `out = a w` for `w` of [`LANES`] columns of which only the first `used` are needed.
-pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
-    if used <= FEW {
+pub fn multiply_lanes(a: RowsView, w: &PackedMatrix, used: usize, out: &mut [f32]) {
+    if used <= MAX_DOT_COLUMNS {
         return Arch::new().dispatch(Dots { a, w, used, out });
     }
     let stride = w.cols;
@@ -209,12 +209,12 @@ pub fn respond(a: RowsView, w: &Packed, used: usize, out: &mut [f32]) {
 }
 
 /// Number of columns up to which dot products along the rows are faster than a register of columns.
-const FEW: usize = 4;
+const MAX_DOT_COLUMNS: usize = 4;
 
 /// Product with few columns, computed along the rows.
 struct Dots<'a> {
     a: RowsView<'a>,
-    w: &'a Packed,
+    w: &'a PackedMatrix,
     used: usize,
     out: &'a mut [f32],
 }
@@ -259,7 +259,7 @@ mod tests {
         for (m, k, n) in [(1, 1, 1), (3, 5, 16), (17, 48, 48), (29, 12, 64), (40, 7, 33), (9, 20, 112)] {
             let a: Vec<f32> = (0..m * k).map(|i| (i as f32 * 0.7).sin()).collect();
             let w: Vec<f32> = (0..k * n).map(|i| (i as f32 * 0.3).cos()).collect();
-            let packed = Packed::new(&w, n);
+            let packed = PackedMatrix::new(&w, n);
             let mut out = vec![1.0; m * packed.cols];
             let stride = packed.cols;
             let rows = RowsView { data: &a, stride: k, count: m };

@@ -1,7 +1,7 @@
 //! Folder of a trained model: `weights.safetensors`, and `card.ron` with the network, its training and the data set.
 
 use super::Normalisers;
-use super::interval::{FEWEST, Interval};
+use super::interval::{MIN_GRASPS, PredictionInterval};
 use super::shipped;
 use super::spec::{NetworkSpec, Spec};
 use crate::features::VERSION;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// Name of the card in the folder of a model.
 pub const CARD: &str = "card.ron";
 /// Models shipped with earlier versions.
-const FORMER: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
+const FORMER_NAMES: [&str; 2] = ["gelsight_mini", "gelsight_mini_fine"];
 /// Name of the weights file.
 pub const WEIGHTS: &str = "weights.safetensors";
 
@@ -51,9 +51,9 @@ pub struct Card {
     /// Number of grasps held out from the training; zero in older models.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub kept: usize,
-    /// Prediction interval; None if fewer than [`FEWEST`] grasps were held out from the training.
+    /// Prediction interval; None if fewer than [`MIN_GRASPS`] grasps were held out from the training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub interval: Option<Interval>,
+    pub interval: Option<PredictionInterval>,
     /// BLAKE3 hash of the fields above and of the weights; empty in older models.
     #[serde(default)]
     pub checksum: String,
@@ -62,7 +62,7 @@ pub struct Card {
 /// Origin of a model, which the cards of all versions contain.
 #[derive(Debug, Deserialize)]
 #[serde(rename = "Card")]
-struct Made {
+struct CardOrigin {
     tactus: String,
     #[serde(default)]
     features: u32,
@@ -74,21 +74,21 @@ fn is_zero(number: &usize) -> bool {
 
 /// Model read from a folder or shipped in the program.
 #[derive(Debug)]
-pub struct Trained {
+pub struct StoredModel {
     /// Card of the model.
     pub card: Card,
     /// Weights of the model, safetensors.
     pub weights: Cow<'static, [u8]>,
 }
 
-impl Trained {
+impl StoredModel {
     /// Reads the model in the folder `model`, or the shipped one of this name.
     ///
     /// # Errors
     /// Fails if there is no model, if its format or the version of its features differs, or if it is damaged.
     pub fn read(model: &Path) -> Result<Self> {
         let path = model.join(CARD);
-        let (text, weights) = match shipped::named(model) {
+        let (text, weights) = match shipped::by_name(model) {
             Some(shipped) => (shipped.card.into(), shipped.weights.into()),
             None => {
                 let text = std::fs::read_to_string(&path).map_err(|e| missing(model, &path, &e))?;
@@ -99,7 +99,8 @@ impl Trained {
             }
         };
         // Cards of other versions have other fields, so the versions are read first.
-        let made: Made = ron::from_str(&text).map_err(|e| Error::file(&path, format!("is not a model card: {e}")))?;
+        let made: CardOrigin =
+            ron::from_str(&text).map_err(|e| Error::file(&path, format!("is not a model card: {e}")))?;
         if made.features != VERSION {
             let message = format!(
                 "its network was trained by tactus {} with feature version {}, but this is tactus {} with feature \
@@ -117,11 +118,11 @@ impl Trained {
         read.card
             .check()
             .map_err(|what| Error::file(&path, format!("{what}; restore the model from a copy, or train it again")))?;
-        read.sound(&path)
+        read.verified(&path)
     }
 
     /// Returns the model if the checksum of card and weights is correct.
-    fn sound(self, path: &Path) -> Result<Self> {
+    fn verified(self, path: &Path) -> Result<Self> {
         if !self.card.checksum.is_empty() && self.card.sum(&self.weights)? != self.card.checksum {
             let message = "this card or its weights were changed or damaged after the training; restore both from a \
                 copy, or train again";
@@ -132,7 +133,7 @@ impl Trained {
 }
 
 fn missing(model: &Path, path: &Path, e: &std::io::Error) -> Error {
-    if let Some(name) = FORMER.iter().find(|name| model.file_name().is_some_and(|own| own == **name)) {
+    if let Some(name) = FORMER_NAMES.iter().find(|name| model.file_name().is_some_and(|own| own == **name)) {
         let message = format!(
             "{name:?} is a network of version 0.1; use the built-in network that replaces it: {}",
             shipped::names()
@@ -152,7 +153,7 @@ impl Card {
     fn check(&self) -> std::result::Result<(), String> {
         self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
         self.range.check()?;
-        self.interval.iter().try_for_each(Interval::check)?;
+        self.interval.iter().try_for_each(PredictionInterval::check)?;
         match self.validation_loss {
             loss if (0.0..=MOST).contains(&loss) => Ok(()),
             loss => Err(format!("`validation_loss` is {loss}; allowed: 0 to {MOST:e}")),
@@ -160,8 +161,8 @@ impl Card {
     }
 
     /// Returns the prediction interval, if it was fitted to enough grasps.
-    pub fn interval(&self) -> Option<Interval> {
-        self.interval.filter(Interval::holds)
+    pub fn interval(&self) -> Option<PredictionInterval> {
+        self.interval.filter(PredictionInterval::has_enough_grasps)
     }
 
     /// Returns why the error of its predictions is unknown; None if it has a prediction interval.
@@ -169,7 +170,7 @@ impl Card {
         self.interval().is_none().then(|| {
             let kept = if self.kept > 0 { self.kept.to_string() } else { "fewer".into() };
             format!(
-                "the error of the network is unknown: its estimate needs at least {FEWEST} grasps that are not used \
+                "the error of the network is unknown: its estimate needs at least {MIN_GRASPS} grasps that are not used \
                  for training, and there were {kept}; train on more grasps, or with a larger `validation`"
             )
         })

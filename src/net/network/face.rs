@@ -13,9 +13,12 @@
 //! ```
 //! The second layer of a message is linear, so it is applied after the sum: no matrix product is needed per edge.
 
-use super::layers::{LayerNorm, LinearLayer, share};
+use super::layers::{LayerNorm, LinearLayer, force_fractions};
 use super::{Forward, Inputs, Network, NetworkOutput, repeat};
-use crate::autodiff::ops::{Activation, apply, balanced, deviatoric_stress, displaced, respond, von_mises};
+use crate::autodiff::ops::{
+    Activation, balance_contact_forces, deviatoric_stress, free_displacement, scatter_to_nodes, sparse_product,
+    von_mises,
+};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::{EDGE, NODE, PAD};
@@ -74,7 +77,7 @@ impl Pools {
         let [mean, bias] = ["mean", "bias"].map(|part| format!("{name}.{part}"));
         let own = LinearLayer::named(maker, [&mean, &bias], (latent, latent), 0.5);
         let [near, other_mean, other_near] = ["near", "other_mean", "other_near"]
-            .map(|part| LinearLayer::bare(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
+            .map(|part| LinearLayer::without_bias(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
         Self { weights: [own, near, other_mean, other_near] }
     }
 
@@ -84,11 +87,14 @@ impl Pools {
         // With one finger there is no other pad: its row is empty, which yields zero.
         let other = (0..f.pads).map(|i| if f.pads == 2 { vec![(1 - i as u32, 1.0)] } else { Vec::new() });
         let other = Sparse::new(&other.collect::<Vec<_>>(), f.pads);
-        let (mean, near) = (apply(&f.mean, h.clone()), apply(&f.near, h.clone()));
+        let (mean, near) = (sparse_product(&f.mean, h.clone()), sparse_product(&f.near, h.clone()));
         let [a, b, c, d] = self.weights;
-        let others =
-            vec![b.apply(p, near.clone()), c.apply(p, apply(&other, mean.clone())), d.apply(p, apply(&other, near))];
-        a.joined(p, mean, others, Activation::Gated)
+        let others = vec![
+            b.apply(p, near.clone()),
+            c.apply(p, sparse_product(&other, mean.clone())),
+            d.apply(p, sparse_product(&other, near)),
+        ];
+        a.apply_with_terms(p, mean, others, Activation::Gated)
     }
 }
 
@@ -97,18 +103,18 @@ impl FaceNetwork {
     pub fn new<E: Real>(sizes: &Face, maker: &mut ParameterBuilder<E>) -> Self {
         let (h, d, depths) = (sizes.latent.get(), sizes.decoder.get(), sizes.depths.get());
         let start = LinearLayer::new(maker, "start.node", (NODE.len(), h), 1.0, 0.0);
-        let start_pad = LinearLayer::bare(maker, "start.pad", (PAD.len(), h), 0.5);
+        let start_pad = LinearLayer::without_bias(maker, "start.pad", (PAD.len(), h), 0.5);
         let rounds = (0..sizes.rounds.get()).map(|r| {
             let name = |part: &str| format!("round{r}.{part}");
             Round {
                 norm: LayerNorm::new(maker, &name("norm"), h),
                 edge: LinearLayer::new(maker, &name("edge"), (EDGE.len(), h), 0.7, 0.0),
-                sender: LinearLayer::bare(maker, &name("sender"), (h, h), 0.7),
-                receiver: LinearLayer::bare(maker, &name("receiver"), (h, h), 0.7),
+                sender: LinearLayer::without_bias(maker, &name("sender"), (h, h), 0.7),
+                receiver: LinearLayer::without_bias(maker, &name("receiver"), (h, h), 0.7),
                 pools: Pools::new(maker, &name("pool"), h),
                 own: LinearLayer::new(maker, &name("own"), (h, h), 0.7, 0.0),
-                messages: LinearLayer::bare(maker, &name("messages"), (h, h), 0.7),
-                global: LinearLayer::bare(maker, &name("global"), (h, h), 0.7),
+                messages: LinearLayer::without_bias(maker, &name("messages"), (h, h), 0.7),
+                global: LinearLayer::without_bias(maker, &name("global"), (h, h), 0.7),
                 out: LinearLayer::new(maker, &name("out"), (h, h), 0.5, 0.0),
             }
         });
@@ -121,8 +127,8 @@ impl FaceNetwork {
             pools: Pools::new(maker, "last.pool", h),
             node: [
                 LinearLayer::named(maker, ["node.latent", "node.bias"], (h, d), 1.0),
-                LinearLayer::bare(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
-                LinearLayer::bare(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
+                LinearLayer::without_bias(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
+                LinearLayer::without_bias(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
             ],
             inner: LinearLayer::new(maker, "node.inner", (d, d), 1.0, 0.0),
             outer: LinearLayer::new(maker, "node.outer", (d, d), 0.5, 0.0),
@@ -134,7 +140,7 @@ impl FaceNetwork {
             contact: LinearLayer::new(maker, "contact", (d, 3), 0.01, 0.0),
             pad: [
                 LinearLayer::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0),
-                LinearLayer::bare(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
+                LinearLayer::without_bias(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
             ],
             middle: LinearLayer::new(maker, "pad.middle", (d, d), 1.0, 0.0),
             travel: LinearLayer::new(maker, "travel", (d, 1), 0.01, 0.0),
@@ -143,7 +149,7 @@ impl FaceNetwork {
     }
 
     /// Computes one round of message passing on the node values h.
-    fn pass<E: Real, T: Tape<E>>(
+    fn message_passing_round<E: Real, T: Tape<E>>(
         p: &Parameters<E>,
         inputs: &Inputs<T>,
         round: &Round,
@@ -152,13 +158,13 @@ impl FaceNetwork {
     ) -> Matrix<E, T> {
         let graph = &inputs.features.graph;
         let x = round.norm.apply(p, h.clone());
-        let sent = apply(&graph.edges.senders, round.sender.apply(p, x.clone()));
-        let received = apply(&graph.edges.receivers, round.receiver.apply(p, x.clone()));
-        let message = round.edge.joined(p, edge.clone(), vec![sent, received], Activation::Gated);
-        let messages = round.messages.apply(p, apply(&graph.edges.gather, message));
-        let pooled = spread(round.global.apply(p, round.pools.apply(p, inputs, &x)), graph.face.len());
-        let inner = round.own.joined(p, x, vec![messages, pooled], Activation::Gated);
-        round.out.joined(p, inner, vec![h], Activation::None)
+        let sent = sparse_product(&graph.edges.senders, round.sender.apply(p, x.clone()));
+        let received = sparse_product(&graph.edges.receivers, round.receiver.apply(p, x.clone()));
+        let message = round.edge.apply_with_terms(p, edge.clone(), vec![sent, received], Activation::Gated);
+        let messages = round.messages.apply(p, sparse_product(&graph.edges.gather, message));
+        let pooled = repeat_rows(round.global.apply(p, round.pools.apply(p, inputs, &x)), graph.face.len());
+        let inner = round.own.apply_with_terms(p, x, vec![messages, pooled], Activation::Gated);
+        round.out.apply_with_terms(p, inner, vec![h], Activation::None)
     }
 }
 
@@ -173,10 +179,10 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
         let (f, n) = (inputs.features, inputs.normalisers);
         let edge = inputs.matrix(&f.edge, &n.edge, &EDGE);
         let pad = self.start_pad.apply(p, inputs.matrix(&f.pad, &n.pad, &PAD));
-        let pad = spread(pad, f.graph.face.len());
-        let mut h = self.start.joined(p, inputs.matrix(&f.node, &n.node, &NODE), vec![pad], Activation::None);
+        let pad = repeat_rows(pad, f.graph.face.len());
+        let mut h = self.start.apply_with_terms(p, inputs.matrix(&f.node, &n.node, &NODE), vec![pad], Activation::None);
         for round in &self.rounds {
-            h = Self::pass(p, inputs, round, h, &edge);
+            h = Self::message_passing_round(p, inputs, round, h, &edge);
         }
         let h = self.last.apply(p, h);
         let pooled = self.pools.apply(p, inputs, &h);
@@ -196,21 +202,23 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for FaceNetwork {
         let gated = Activation::Gated;
         let at_node = inputs.matrix(&loads.node, &n.node_load, &NODE_LOAD);
         let at_pad = inputs.matrix(&loads.pad, &n.pad_load, &PAD_LOAD);
-        let [node, pad] = [(0, pads * face), (1, pads)].map(|(k, n)| apply(&repeat(levels, n), code[k].clone()));
-        let pad_load = spread(self.node[2].apply(p, at_pad.clone()), face);
-        let z = self.node[1].joined(p, at_node, vec![node, pad_load], gated);
-        let z = self.outer.joined(p, self.inner.activated(p, z.clone(), gated), vec![z], Activation::None);
-        let y = self.middle.activated(p, self.pad[1].joined(p, at_pad, vec![pad], gated), gated);
+        let [node, pad] =
+            [(0, pads * face), (1, pads)].map(|(k, n)| sparse_product(&repeat(levels, n), code[k].clone()));
+        let pad_load = repeat_rows(self.node[2].apply(p, at_pad.clone()), face);
+        let z = self.node[1].apply_with_terms(p, at_node, vec![node, pad_load], gated);
+        let z =
+            self.outer.apply_with_terms(p, self.inner.apply_activated(p, z.clone(), gated), vec![z], Activation::None);
+        let y = self.middle.apply_activated(p, self.pad[1].apply_with_terms(p, at_pad, vec![pad], gated), gated);
 
-        let contact = self.contact.apply(p, z.clone()) + carried(inputs, loads);
-        let contact = balanced(share(contact, face), &loads.balance, inputs.signs());
+        let contact = self.contact.apply(p, z.clone()) + projected_contact_rows(inputs, loads);
+        let contact = balance_contact_forces(force_fractions(contact, face), &loads.balance, inputs.signs());
         let (given, bare) = linear_response(inputs, loads, contact.clone());
         // Interpolates the depth channels of the face to all nodes of the pads.
         let channels = levels * pads * face * self.depths;
         let field = |map: &Arc<Sparse>, layer: LinearLayer, act| {
-            let x = layer.activated(p, z.clone(), act);
+            let x = layer.apply_activated(p, z.clone(), act);
             let width = x.shape().1 / self.depths;
-            apply(map, x.reshape_like(&(channels, width)))
+            sparse_product(map, x.reshape_like(&(channels, width)))
         };
         // Additive and multiplicative corrections of the linear response; factor and offset of the stress are positive.
         let beyond = field(&graph.interpolate_free, self.displacement, Activation::None);
@@ -240,12 +248,12 @@ fn linear_response<E: Real, T: Tape<E>>(
     // From (against the closing direction, x, y) to (x, y, z) of the pad without the mirror.
     let turn = Sparse::new(&[vec![(1, x)], vec![(2, y)], vec![(0, -1.0)]], 3);
     let components = contact.shape().0 * 3;
-    let force = apply(&turn, contact.reshape_like(&(components, 1))).reshape_like(&(rows, components / rows));
+    let force = sparse_product(&turn, contact.reshape_like(&(components, 1))).reshape_like(&(rows, components / rows));
     let scale = row(loads.scale(f).iter().map(|s| s / norms.stress));
     let force = force * scale.broadcast_like::<_, Axis<1>>(&(rows, components / rows));
-    let moved = respond(pad, force);
+    let moved = free_displacement(pad, force);
     let unit = norms.stress / norms.displacement;
-    let given = displaced(pad, moved.clone());
+    let given = scatter_to_nodes(pad, moved.clone());
     let shape = *given.shape();
     let given = given * row([x * unit, y * unit, unit]).broadcast_like::<_, Axis<0>>(&shape);
     // The von Mises norm is invariant under mirrors.
@@ -254,18 +262,18 @@ fn linear_response<E: Real, T: Tape<E>>(
 
 /// Returns the projected contact on each node: the logarithm of its fraction of the force, and tangential over normal
 /// force.
-fn carried<E: Real, T: Tape<E>>(inputs: &Inputs<T>, loads: &LoadFeatures) -> Matrix<E, T> {
+fn projected_contact_rows<E: Real, T: Tape<E>>(inputs: &Inputs<T>, loads: &LoadFeatures) -> Matrix<E, T> {
     let [x, y] = inputs.signs();
     let rows = loads.node.chunks_exact(NODE_LOAD.len());
-    inputs.constant(3, rows.flat_map(|row| [(row[6] + LITTLE).ln(), x * row[7], y * row[8]]).collect())
+    inputs.constant(3, rows.flat_map(|row| [(row[6] + MIN_FORCE_FRACTION).ln(), x * row[7], y * row[8]]).collect())
 }
 
 /// Fraction added to that of every node, so that the logarithm is finite for a node without force.
-pub const LITTLE: f32 = 1e-4;
+pub const MIN_FORCE_FRACTION: f32 = 1e-4;
 
 /// Repeats every row `times` times consecutively.
-fn spread<E: Real, T: Tape<E>>(x: Matrix<E, T>, times: usize) -> Matrix<E, T> {
+fn repeat_rows<E: Real, T: Tape<E>>(x: Matrix<E, T>, times: usize) -> Matrix<E, T> {
     let rows = x.shape().0;
     let map: Arc<Sparse> = Sparse::gather((0..rows).flat_map(|r| std::iter::repeat_n(r, times)), rows);
-    apply(&map, x)
+    sparse_product(&map, x)
 }

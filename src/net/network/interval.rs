@@ -19,10 +19,10 @@ pub type ErrorIndicators = [f64; 7];
 /// Indicators whose increase must never narrow an interval: all except the constant and the depth.
 const RISKS: [usize; 5] = [1, 2, 4, 5, 6];
 /// Fraction of unseen grasps within an interval.
-pub const LEVEL: f64 = 0.9;
+pub const COVERAGE: f64 = 0.9;
 /// Smallest number of grasps for an interval: ten for the estimate and ten for the factor. With fewer than nine errors
 /// not even the largest is a bound: the bound is that of rank `ceil(0.9 (n + 1))` among `n` (Lei et al. 2018).
-pub const FEWEST: usize = 20;
+pub const MIN_GRASPS: usize = 20;
 /// Error below which errors are not distinguished.
 const LEAST: f64 = 1e-3;
 /// Ridge regularisation of the coefficients, per sample.
@@ -39,7 +39,7 @@ pub struct Bound {
 
 /// Prediction intervals of displacement, stress and travel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Interval {
+pub struct PredictionInterval {
     displacement: Bound,
     stress: Bound,
     travel: Bound,
@@ -48,7 +48,7 @@ pub struct Interval {
 }
 
 /// Indicators and relative errors of the levels of a grasp held out from the training.
-pub type Kept = Vec<(ErrorIndicators, [f64; 3])>;
+pub type ValidationErrors = Vec<(ErrorIndicators, [f64; 3])>;
 
 impl Bound {
     fn fit(levels: &[(ErrorIndicators, f64)], others: &[(ErrorIndicators, f64)]) -> Option<Self> {
@@ -77,7 +77,7 @@ impl Bound {
         let mut own = Self { weights, factor: 1.0 };
         let mut ratios: Vec<f64> = others.iter().map(|(signs, error)| error.max(LEAST) / own.at(signs)).collect();
         ratios.sort_by(f64::total_cmp);
-        let rank = (LEVEL * (ratios.len() + 1) as f64).ceil() as usize;
+        let rank = (COVERAGE * (ratios.len() + 1) as f64).ceil() as usize;
         own.factor = *ratios.get(rank.clamp(1, ratios.len().max(1)) - 1)?;
         Some(own).filter(|own| own.is_finite())
     }
@@ -92,11 +92,11 @@ impl Bound {
     }
 }
 
-impl Interval {
+impl PredictionInterval {
     /// Fits the intervals to grasps held out from the training, one half for the estimate and one for the factor; None
-    /// for fewer than [`FEWEST`].
-    pub fn fit(kept: &[Kept]) -> Option<Self> {
-        if kept.len() < FEWEST {
+    /// for fewer than [`MIN_GRASPS`].
+    pub fn fit(kept: &[ValidationErrors]) -> Option<Self> {
+        if kept.len() < MIN_GRASPS {
             return None;
         }
         let half = |odd: usize, k: usize| -> Vec<(ErrorIndicators, f64)> {
@@ -117,8 +117,8 @@ impl Interval {
     }
 
     /// Returns true if it was fitted to enough grasps; older models have intervals from fewer.
-    pub fn holds(&self) -> bool {
-        self.grasps >= FEWEST
+    pub fn has_enough_grasps(&self) -> bool {
+        self.grasps >= MIN_GRASPS
     }
 
     /// Checks that the values are valid. The error states what is wrong.
@@ -139,7 +139,7 @@ mod tests {
     use base::random::Random;
 
     /// Draws grasps whose error depends on an indicator, with multiplicative scatter.
-    fn drawn(count: usize, random: &mut Random) -> Vec<Kept> {
+    fn drawn(count: usize, random: &mut Random) -> Vec<ValidationErrors> {
         let mut grasp = || {
             let sign = 4.0 * random.unit() - 4.0;
             let error = (0.8 * sign - 1.0 + 0.6 * (random.unit() + random.unit() - 1.0)).exp();
@@ -151,12 +151,12 @@ mod tests {
     #[test]
     fn nine_of_ten_unseen_grasps_lie_within_and_the_interval_follows_the_signs() {
         let mut random = Random::new(7);
-        let interval = Interval::fit(&drawn(1000, &mut random)).unwrap();
+        let interval = PredictionInterval::fit(&drawn(1000, &mut random)).unwrap();
         let unseen = drawn(4000, &mut random);
         let within =
             unseen.iter().flatten().filter(|(signs, error)| error[0] <= interval.at(signs).displacement).count();
         let part = within as f64 / unseen.len() as f64;
-        assert!((part - LEVEL).abs() < 0.03, "{part} within, not {LEVEL}");
+        assert!((part - COVERAGE).abs() < 0.03, "{part} within, not {COVERAGE}");
         let wide = |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0]).displacement;
         let ratio = wide(-1.0) / wide(-3.0);
         assert!((ratio / 1.6_f64.exp() - 1.0).abs() < 0.1, "widths differ by {ratio}");
@@ -165,8 +165,8 @@ mod tests {
     #[test]
     fn fewer_than_twenty_grasps_give_no_interval() {
         let mut random = Random::new(9);
-        assert!(Interval::fit(&drawn(FEWEST - 1, &mut random)).is_none());
-        assert!(Interval::fit(&drawn(FEWEST, &mut random)).unwrap().holds());
+        assert!(PredictionInterval::fit(&drawn(MIN_GRASPS - 1, &mut random)).is_none());
+        assert!(PredictionInterval::fit(&drawn(MIN_GRASPS, &mut random)).unwrap().has_enough_grasps());
     }
 
     #[test]
@@ -177,7 +177,7 @@ mod tests {
             let error = 0.1 * (-3.0 * turned + 0.2 * random.unit()).exp();
             vec![([1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0], [error; 3])]
         };
-        let interval = Interval::fit(&(0..200).map(|_| grasp()).collect::<Vec<_>>()).unwrap();
+        let interval = PredictionInterval::fit(&(0..200).map(|_| grasp()).collect::<Vec<_>>()).unwrap();
         let wide = |turned: f64| interval.at(&[1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0]).displacement;
         assert!(wide(1.0) >= wide(0.0), "{} turned, {} not", wide(1.0), wide(0.0));
     }

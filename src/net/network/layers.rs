@@ -1,6 +1,6 @@
 //! Layers that networks share: which parameters they have, and what they compute.
 
-use super::parameters::{Id, ParameterBuilder, Parameters};
+use super::parameters::{ParameterBuilder, ParameterId, Parameters};
 use crate::autodiff::ops::{Activation, layer_norm, linear};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
@@ -8,13 +8,13 @@ use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 /// LinearLayer layer `x W + b`, or `x W`.
 #[derive(Debug, Clone, Copy)]
 pub struct LinearLayer {
-    weight: Id,
-    bias: Option<Id>,
+    weight: ParameterId,
+    bias: Option<ParameterId>,
 }
 
 impl LinearLayer {
-    /// Creates the layer `name.weight` (rows, cols) and `name.bias`, with a gain for [`ParameterBuilder::weight`] and an
-    /// initial bias.
+    /// Creates the layer `name.weight` (rows, cols) and `name.bias`, with a gain for [`ParameterBuilder::weight`] and
+    /// an initial bias.
     pub fn new<E: Real>(
         maker: &mut ParameterBuilder<E>,
         name: &str,
@@ -22,7 +22,7 @@ impl LinearLayer {
         gain: f64,
         bias: f32,
     ) -> Self {
-        let weight = Self::bare(maker, &format!("{name}.weight"), shape, gain);
+        let weight = Self::without_bias(maker, &format!("{name}.weight"), shape, gain);
         Self { bias: Some(maker.row(&format!("{name}.bias"), shape.1, bias)), ..weight }
     }
 
@@ -33,27 +33,37 @@ impl LinearLayer {
         shape: (usize, usize),
         gain: f64,
     ) -> Self {
-        let weight = Self::bare(maker, weight, shape, gain);
+        let weight = Self::without_bias(maker, weight, shape, gain);
         Self { bias: Some(maker.row(bias, shape.1, 0.0)), ..weight }
     }
 
     /// Creates the layer with the weight `name` and no bias.
-    pub fn bare<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, (rows, cols): (usize, usize), gain: f64) -> Self {
+    pub fn without_bias<E: Real>(
+        maker: &mut ParameterBuilder<E>,
+        name: &str,
+        (rows, cols): (usize, usize),
+        gain: f64,
+    ) -> Self {
         Self { weight: maker.weight(name, rows, cols, gain), bias: None }
     }
 
     /// Computes the output for x (n, rows): (n, cols).
     pub fn apply<E: Real, T: Tape<E>>(self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
-        self.joined(p, x, Vec::new(), Activation::None)
+        self.apply_with_terms(p, x, Vec::new(), Activation::None)
     }
 
     /// Computes the activation of the output.
-    pub fn activated<E: Real, T: Tape<E>>(self, p: &Parameters<E>, x: Matrix<E, T>, act: Activation) -> Matrix<E, T> {
-        self.joined(p, x, Vec::new(), act)
+    pub fn apply_activated<E: Real, T: Tape<E>>(
+        self,
+        p: &Parameters<E>,
+        x: Matrix<E, T>,
+        act: Activation,
+    ) -> Matrix<E, T> {
+        self.apply_with_terms(p, x, Vec::new(), act)
     }
 
     /// Computes the activation of the sum of the output and other `terms` (n, cols).
-    pub fn joined<E: Real, T: Tape<E>>(
+    pub fn apply_with_terms<E: Real, T: Tape<E>>(
         self,
         p: &Parameters<E>,
         x: Matrix<E, T>,
@@ -67,8 +77,8 @@ impl LinearLayer {
 /// Layer normalisation with a gain and a shift.
 #[derive(Debug, Clone, Copy)]
 pub struct LayerNorm {
-    gain: Id,
-    shift: Id,
+    gain: ParameterId,
+    shift: ParameterId,
 }
 
 impl LayerNorm {
@@ -89,7 +99,7 @@ impl LayerNorm {
 ///
 /// The fractions of a group are positive and sum to one, so contact forces made of them sum exactly to the force of the
 /// finger.
-pub fn share<E: Real, T: Tape<E>>(x: Matrix<E, T>, size: usize) -> Matrix<E, T> {
+pub fn force_fractions<E: Real, T: Tape<E>>(x: Matrix<E, T>, size: usize) -> Matrix<E, T> {
     let shape = *x.shape();
     assert!(shape.1 == 3 && shape.0.is_multiple_of(size), "fractions need complete groups of three columns");
     let logits = x.clone().slice((.., 0..1)).reshape_like(&(shape.0 / size, size));

@@ -11,12 +11,12 @@
 //! paper: travel and motion of the object come from a head on the mean of `h` near the contact, contact forces from a
 //! layer on the face.
 
-use super::layers::{LayerNorm, LinearLayer, share};
+use super::layers::{LayerNorm, LinearLayer, force_fractions};
 use super::{Forward, Inputs, Network, NetworkOutput, VolumeNormalisers, repeat};
-use crate::autodiff::ops::{Activation, apply};
+use crate::autodiff::ops::{Activation, sparse_product};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
-use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::linear_response::edges::Edges;
 use crate::linear_response::pad_graph::Layout;
 use crate::network::parameters::{ParameterBuilder, Parameters};
@@ -39,7 +39,7 @@ impl Mlp {
         let [first, bias] = ["input0", "bias"].map(|part| format!("{name}.{part}"));
         let mut all = vec![LinearLayer::named(maker, [&first, &bias], (inputs[0], h), gain)];
         let others = inputs.iter().enumerate().skip(1);
-        all.extend(others.map(|(i, n)| LinearLayer::bare(maker, &format!("{name}.input{i}"), (*n, h), gain)));
+        all.extend(others.map(|(i, n)| LinearLayer::without_bias(maker, &format!("{name}.input{i}"), (*n, h), gain)));
         Self {
             inputs: all,
             hidden: LinearLayer::new(maker, &format!("{name}.hidden"), (h, h), 2.0, 0.0),
@@ -49,20 +49,20 @@ impl Mlp {
     }
 
     /// Computes the output for x, the first input, and the contributions of the others to the first layer.
-    fn joined<E: Real, T: Tape<E>>(
+    fn apply_with_terms<E: Real, T: Tape<E>>(
         &self,
         p: &Parameters<E>,
         x: Matrix<E, T>,
         others: Vec<Matrix<E, T>>,
     ) -> Matrix<E, T> {
-        let x = self.inputs[0].joined(p, x, others, Activation::Relu);
-        let x = self.hidden.activated(p, x, Activation::Relu);
+        let x = self.inputs[0].apply_with_terms(p, x, others, Activation::Relu);
+        let x = self.hidden.apply_activated(p, x, Activation::Relu);
         self.norm.apply(p, self.out.apply(p, x))
     }
 
     /// Computes the output for a single input.
     fn apply<E: Real, T: Tape<E>>(&self, p: &Parameters<E>, x: Matrix<E, T>) -> Matrix<E, T> {
-        self.joined(p, x, Vec::new())
+        self.apply_with_terms(p, x, Vec::new())
     }
 }
 
@@ -104,22 +104,22 @@ impl PaperNetwork {
     }
 
     /// Computes the new state of `edges` from their state e and that of the nodes.
-    fn pass<E: Real, T: Tape<E>>(
+    fn update_edges<E: Real, T: Tape<E>>(
         p: &Parameters<E>,
         mlp: &Mlp,
         edges: &Edges,
         e: Matrix<E, T>,
         h: &Matrix<E, T>,
     ) -> Matrix<E, T> {
-        let from = apply(&edges.senders, mlp.inputs[1].apply(p, h.clone()));
-        let to = apply(&edges.receivers, mlp.inputs[2].apply(p, h.clone()));
-        let new = mlp.joined(p, e.clone(), vec![from, to]);
+        let from = sparse_product(&edges.senders, mlp.inputs[1].apply(p, h.clone()));
+        let to = sparse_product(&edges.receivers, mlp.inputs[2].apply(p, h.clone()));
+        let new = mlp.apply_with_terms(p, e.clone(), vec![from, to]);
         e + new
     }
 }
 
 /// Returns the graph of the full pads and its statistics, which always exist for this network.
-fn seen<'a, T>(inputs: &'a Inputs<T>) -> (&'a Volume, &'a VolumeNormalisers) {
+fn volume_inputs<'a, T>(inputs: &'a Inputs<T>) -> (&'a VolumeGraph, &'a VolumeNormalisers) {
     let volume = inputs.features.volume.as_deref();
     volume.zip(inputs.normalisers.volume.as_ref()).expect("features have the layout of the network")
 }
@@ -132,7 +132,7 @@ impl<E: Real> Network<E> for PaperNetwork {
 
 impl<E: Real, T: Tape<E>> Forward<E, T> for PaperNetwork {
     fn encode(&self, p: &Parameters<E>, inputs: &Inputs<T>) -> Vec<Matrix<E, T>> {
-        let (volume, norms) = seen(inputs);
+        let (volume, norms) = volume_inputs(inputs);
         let node = inputs.matrix(&volume.node, &norms.node, &VOLUME_NODE);
         let mesh = inputs.matrix(&volume.mesh_edge, &norms.mesh, &MESH_EDGE);
         vec![self.encode[0].apply(p, node), self.encode[1].apply(p, mesh)]
@@ -145,28 +145,28 @@ impl<E: Real, T: Tape<E>> Forward<E, T> for PaperNetwork {
         code: &[Matrix<E, T>],
         loads: &LoadFeatures,
     ) -> NetworkOutput<E, T> {
-        let ((volume, norms), f) = (seen(inputs), inputs.features);
+        let ((volume, norms), f) = (volume_inputs(inputs), inputs.features);
         let levels = loads.load.len();
         let contact: Vec<f32> = loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         let mut c = self.encode[2].apply(p, inputs.matrix(&contact, &norms.contact, &CONTACT_EDGE));
-        let [mut h, mut e] = [0, 1].map(|k| apply(&repeat(levels, code[k].shape().0), code[k].clone()));
+        let [mut h, mut e] = [0, 1].map(|k| sparse_product(&repeat(levels, code[k].shape().0), code[k].clone()));
         for _ in 0..self.rounds {
-            e = Self::pass(p, &self.messages[0], &volume.mesh, e, &h);
-            c = Self::pass(p, &self.messages[1], &volume.contact, c, &h);
-            let mesh = self.update.inputs[1].apply(p, apply(&volume.mesh.gather, e.clone()));
-            let contact = self.update.inputs[2].apply(p, apply(&volume.contact.gather, c.clone()));
-            h = h.clone() + self.update.joined(p, h, vec![mesh, contact]);
+            e = Self::update_edges(p, &self.messages[0], &volume.mesh, e, &h);
+            c = Self::update_edges(p, &self.messages[1], &volume.contact, c, &h);
+            let mesh = self.update.inputs[1].apply(p, sparse_product(&volume.mesh.gather, e.clone()));
+            let contact = self.update.inputs[2].apply(p, sparse_product(&volume.contact.gather, c.clone()));
+            h = h.clone() + self.update.apply_with_terms(p, h, vec![mesh, contact]);
         }
         let z = self.decode.apply(p, h);
-        let face = apply(&volume.face, z.clone());
-        let pooled = self.pooled.apply(p, apply(&f.near, face.clone()));
+        let face = sparse_product(&volume.face, z.clone());
+        let pooled = self.pooled.apply(p, sparse_product(&f.near, face.clone()));
         let (displacement, rows) = (self.displacement.apply(p, z.clone()), 3 * z.shape().0);
-        let components = apply(&volume.turned, displacement.reshape_like(&(rows, 1)));
+        let components = sparse_product(&volume.turned, displacement.reshape_like(&(rows, 1)));
         let rows = components.shape().0 / 3;
         NetworkOutput {
             displacement: components.reshape_like(&(rows, 3)),
-            stress: apply(&volume.pads, self.stress.activated(p, z, Activation::Relu)),
-            contact: share(self.contact.apply(p, face), f.graph.face.len()),
+            stress: sparse_product(&volume.pads, self.stress.apply_activated(p, z, Activation::Relu)),
+            contact: force_fractions(self.contact.apply(p, face), f.graph.face.len()),
             travel: self.travel.apply(p, pooled.clone()),
             motion: self.motion.apply(p, pooled),
         }

@@ -1,7 +1,7 @@
 //! Parameters of a network: named matrices in a fixed order, their initial values, and their file.
 
 use crate::autodiff::tensor::{Matrix, Real, matrix, values};
-use crate::matrix::product::Packed;
+use crate::matrix::product::PackedMatrix;
 use base::error::{Error, Result};
 use base::random::Random;
 use dfdx::prelude::{HasShape, Shape};
@@ -18,7 +18,7 @@ pub struct Parameters<E: Real = f32> {
 
 /// Index of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Id(usize);
+pub struct ParameterId(usize);
 
 /// Builder of the parameters of a network, with random initial values.
 #[derive(Debug)]
@@ -34,14 +34,14 @@ impl<E: Real> ParameterBuilder<E> {
         Self { random: seed.map(Random::new), parameters: Parameters { names: Vec::new(), matrices: Vec::new() } }
     }
 
-    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<E>) -> Id {
+    fn add(&mut self, name: String, rows: usize, cols: usize, value: Vec<E>) -> ParameterId {
         self.parameters.names.push(name);
         self.parameters.matrices.push(matrix(rows, cols, value));
-        Id(self.parameters.matrices.len() - 1)
+        ParameterId(self.parameters.matrices.len() - 1)
     }
 
     /// Adds a weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
-    pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> Id {
+    pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> ParameterId {
         let limit = (3.0 * gain / rows as f64).sqrt();
         let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
         let value = (0..rows * cols).map(|_| E::of((one() * limit) as f32)).collect();
@@ -49,7 +49,7 @@ impl<E: Real> ParameterBuilder<E> {
     }
 
     /// Adds a row of equal values.
-    pub fn row(&mut self, name: &str, cols: usize, value: f32) -> Id {
+    pub fn row(&mut self, name: &str, cols: usize, value: f32) -> ParameterId {
         self.add(name.into(), 1, cols, vec![E::of(value); cols])
     }
 
@@ -61,7 +61,7 @@ impl<E: Real> ParameterBuilder<E> {
 
 impl<E: Real> Parameters<E> {
     /// Returns the matrix `id`.
-    pub fn get(&self, id: Id) -> &Matrix<E> {
+    pub fn get(&self, id: ParameterId) -> &Matrix<E> {
         &self.matrices[id.0]
     }
 
@@ -98,8 +98,8 @@ impl Parameters {
     ///
     /// # Panics
     /// Panics if there is no such parameter.
-    pub fn packed(&self, name: &str) -> Packed {
-        Packed::new(&self.entries(name), self.named(name).shape().1)
+    pub fn packed(&self, name: &str) -> PackedMatrix {
+        PackedMatrix::new(&self.entries(name), self.named(name).shape().1)
     }
 
     /// Returns the content of a safetensors file: f32, row-major, (rows, cols).

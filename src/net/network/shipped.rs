@@ -4,7 +4,7 @@ use std::path::Path;
 
 /// Model that ships with tactus.
 #[derive(Debug)]
-pub struct Shipped {
+pub struct ShippedModel {
     /// Name of the model.
     pub name: &'static str,
     /// Card of the model.
@@ -15,7 +15,7 @@ pub struct Shipped {
 
 macro_rules! shipped {
     ($($name:literal),*) => {
-        [$(Shipped {
+        [$(ShippedModel {
             name: $name,
             card: include_str!(concat!("../../../models/", $name, "/card.ron")),
             weights: include_bytes!(concat!("../../../models/", $name, "/weights.safetensors")),
@@ -24,13 +24,13 @@ macro_rules! shipped {
 }
 
 /// List of all shipped models.
-pub static ALL: [Shipped; 1] = shipped!["universe"];
+pub static ALL: [ShippedModel; 1] = shipped!["universe"];
 
 /// Name of the default model.
-pub const SHIPPED: &str = "universe";
+pub const DEFAULT_MODEL: &str = "universe";
 
 /// Returns the shipped model with the name `model`; None if it is a folder. A bare name is never a folder, `./NAME` is.
-pub fn named(model: &Path) -> Option<&'static Shipped> {
+pub fn by_name(model: &Path) -> Option<&'static ShippedModel> {
     ALL.iter().find(|shipped| model.as_os_str() == shipped.name)
 }
 

@@ -54,7 +54,7 @@ pub fn write(dir: &Path, plan: &str, state: &TrainingState) -> Result<()> {
 }
 
 /// State of an earlier run found on disk.
-pub enum Left {
+pub enum StoredCheckpoint {
     /// No file.
     Nothing,
     /// File whose checksum or layout is wrong.
@@ -67,12 +67,12 @@ pub enum Left {
 ///
 /// # Errors
 /// Fails for a file of another plan, and for one that cannot be read.
-pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
+pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<StoredCheckpoint> {
     let path = path(dir);
     let fail = |message: &str| Error::file(&path, message);
     let bytes = match std::fs::read(&path) {
         Ok(bytes) => bytes,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Left::Nothing),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(StoredCheckpoint::Nothing),
         Err(e) => return Err(fail(&format!("cannot be read: {e}"))),
     };
     let whole = bytes.split_last_chunk::<32>().filter(|(body, sum)| blake3::hash(body).as_bytes() == *sum);
@@ -81,7 +81,7 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
         Some((ron::de::from_bytes::<Header>(&body[..end]).ok()?, end))
     };
     let Some((body, (header, end))) = whole.and_then(|(body, _)| Some((body, header(body)?))) else {
-        return Ok(Left::Damaged(path));
+        return Ok(StoredCheckpoint::Damaged(path));
     };
     if header.plan != plan {
         return Err(fail(
@@ -92,7 +92,7 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
     let numbers: Vec<f32> = body[end + 1..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
     let total: usize = lengths.iter().sum();
     if header.lengths != lengths || numbers.len() != 4 * total {
-        return Ok(Left::Damaged(path));
+        return Ok(StoredCheckpoint::Damaged(path));
     }
     let mut state = like.clone();
     let mut rest = numbers.as_slice();
@@ -108,7 +108,7 @@ pub fn read(dir: &Path, plan: &str, like: &TrainingState) -> Result<Left> {
         moments.iter_mut().zip(&lengths).for_each(|(m, n)| m.copy_from_slice(next(*n)));
     }
     (state.adam.step, state.epochs) = (header.step, header.epochs);
-    Ok(Left::State(Box::new(state)))
+    Ok(StoredCheckpoint::State(Box::new(state)))
 }
 
 /// Removes the file of a finished run.

@@ -3,10 +3,10 @@
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
-use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, Volume};
+use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::features::{EDGE, NODE, PAD, Parity};
-use crate::linear_response::known_pads::PadGraphs;
 use crate::linear_response::pad_graph::Layout;
+use crate::linear_response::pad_graphs::PadGraphs;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{Sample, model_of};
 use base::error::{Error, Result};
@@ -73,7 +73,7 @@ pub fn read(sets: &[(&DataSet, &Poses)], known: &PadGraphs, frames: usize) -> Re
         set.objects.iter().try_for_each(|object| object.needs_alike("a network"))?;
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
         let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
-        let of_object = known.of(&fingers)?;
+        let of_object = known.get_or_build(&fingers)?;
         let named = set.select(poses).into_iter();
         chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
     }
@@ -109,10 +109,10 @@ pub fn split_validation(samples: Vec<Sample>, part: f64, seed: u64) -> (Vec<Samp
         order.sort_by_key(|i| place[samples[*i].object.as_str()]);
     }
     let count = ((samples.len() as f64 * part).round() as usize).clamp(1, samples.len().max(2) - 1);
-    let taken: HashSet<usize> = order.into_iter().take(count).collect();
+    let held_out: HashSet<usize> = order.into_iter().take(count).collect();
     let (mut kept, mut out) = (Vec::new(), Vec::new());
     for (i, sample) in samples.into_iter().enumerate() {
-        if taken.contains(&i) { out.push(sample) } else { kept.push(sample) }
+        if held_out.contains(&i) { out.push(sample) } else { kept.push(sample) }
     }
     (kept, out)
 }
@@ -128,7 +128,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
         (square / f64::max(n, 1.0)).sqrt().max(1e-12) as f32
     };
     let fit = |pick: fn(&Sample) -> &[f32], parity: &[Parity]| {
-        Normaliser::fit(samples.iter().map(pick), parity).reaching(validation.iter().map(pick), parity)
+        Normaliser::fit(samples.iter().map(pick), parity).with_bounds_of(validation.iter().map(pick), parity)
     };
     // Stress over its unit: E times depth over thickness, for the depth of its level and pad.
     let stress = {
@@ -174,7 +174,7 @@ pub fn normalisers(samples: &[Sample], validation: &[Sample]) -> Normalisers {
 }
 
 /// Graph of the full pads, and the features of their contact edges at all forces.
-type Whole = (Arc<Volume>, Vec<f32>);
+type VolumeFeatures = (Arc<VolumeGraph>, Vec<f32>);
 
 /// Computes the statistics of the full pads, if the samples have them.
 fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers> {
@@ -183,10 +183,10 @@ fn volume(samples: &[Sample], validation: &[Sample]) -> Option<VolumeNormalisers
         let contact = s.loads.load.iter().flat_map(|load| volume.contact_edge(load.force)).collect();
         Some((volume, contact))
     };
-    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<Whole>>>();
+    let all = |set: &[Sample]| set.iter().map(of).collect::<Option<Vec<VolumeFeatures>>>();
     let (own, beside) = (all(samples)?, all(validation)?);
-    let fit = |pick: fn(&Whole) -> &[f32], parity: &[Parity]| {
-        Normaliser::fit(own.iter().map(pick), parity).reaching(beside.iter().map(pick), parity)
+    let fit = |pick: fn(&VolumeFeatures) -> &[f32], parity: &[Parity]| {
+        Normaliser::fit(own.iter().map(pick), parity).with_bounds_of(beside.iter().map(pick), parity)
     };
     Some(VolumeNormalisers {
         node: fit(|(volume, _)| &volume.node, &VOLUME_NODE),

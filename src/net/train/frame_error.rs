@@ -46,7 +46,7 @@ pub struct FrameError {
 }
 
 /// Returns displacement and stress simulated by finite elements, of all pads, at level `k`.
-pub(crate) fn truth(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
+pub(crate) fn reference_fields(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
     let n = sample.stress.len() / sample.forces.len();
     let vectors = sample.displacement[3 * k * n..3 * (k + 1) * n].as_chunks::<3>().0;
     let u = vectors.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect();
@@ -56,7 +56,7 @@ pub(crate) fn truth(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f64>) {
 /// Computes the errors of a prediction at level `k` of a sample.
 pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
     let states = &state.pads;
-    let (u, s) = truth(sample, k);
+    let (u, s) = reference_fields(sample, k);
     let pads = states.len();
     let own_u = states.iter().flat_map(|p| &p.displacement);
     let own_s = states.iter().flat_map(|p| &p.stress);
@@ -73,7 +73,7 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
     let off: Vec<DVec3> = own.zip(&contact).map(|(own, contact)| own - contact).collect();
     let length = |forces: &[DVec3]| norm(&mut forces.iter().map(|f| f.length()));
     let gathered = |forces: &[DVec3]| {
-        let corners = forces.chunks_exact(face.len()).flat_map(|pad| sample.features.graph.basis.gathered(pad));
+        let corners = forces.chunks_exact(face.len()).flat_map(|pad| sample.features.graph.basis.corner_forces(pad));
         length(&corners.collect::<Vec<_>>())
     };
     let travel = &sample.travel[k * pads..(k + 1) * pads];
@@ -99,8 +99,8 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
         traction: relative(gathered(&off), gathered(&contact)),
         travel: relative(et, mean),
         travel_mm: et * 1e3,
-        object_mm: of(|s| s.shift, 0) * 1e3,
-        object_deg: of(|s| s.turn, 3).to_degrees(),
+        object_mm: of(|s| s.translation, 0) * 1e3,
+        object_deg: of(|s| s.rotation_vector, 3).to_degrees(),
         bound: state.error,
     }
 }

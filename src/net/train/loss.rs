@@ -11,9 +11,9 @@ const SMOOTH: f32 = 1e-3;
 
 /// Computes the loss of `x` (n, m) against `target` (n, m). For each of `groups` equal groups of rows, r is the root of
 /// sum(weight * squared difference), with a `weight` (n) per row; the result is the mean of r / (1 + r). This bounded
-/// function limits the influence of a few hard groups: the gradient almost vanishes where the error is several times the
-/// size of the target.
-pub fn root_error<E: Real, T: Tape<E>>(
+/// function limits the influence of a few hard groups: the gradient almost vanishes where the error is several times
+/// the size of the target.
+pub fn bounded_relative_error<E: Real, T: Tape<E>>(
     x: Matrix<E, T>,
     target: Vec<f32>,
     weight: Vec<f32>,

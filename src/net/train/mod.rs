@@ -22,17 +22,17 @@ use super::features::VERSION;
 use super::features::range::TrainedRange;
 use super::infer::predict::Predictor;
 use super::network::card::{CARD, Card};
-use super::network::interval::{ErrorIndicators, Interval, Kept};
+use super::network::interval::{ErrorIndicators, PredictionInterval, ValidationErrors};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Forward, Inputs, Network, Normalisers, build};
-use crate::linear_response::known_pads::PadGraphs;
+use crate::linear_response::pad_graphs::PadGraphs;
 use adam::Adam;
 use base::error::{Error, Result};
 use base::files::lock::FolderLock;
 use base::interrupt;
 use base::random::Random;
-use checkpoint::Left;
+use checkpoint::StoredCheckpoint;
 use curves::Epoch;
 use dataset::DataSet;
 use dfdx::prelude::AsArray;
@@ -56,7 +56,7 @@ pub struct Trainer {
 
 /// Reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum TrainingEnd {
     /// Completion of all epochs.
     Epochs,
     /// Early stop: the validation loss has not fallen for long enough.
@@ -89,13 +89,13 @@ impl Trainer {
         let mut trainer =
             Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notices, _lock: lock };
         match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
-            Left::State(state) => trainer.state = *state,
-            Left::Nothing | Left::Damaged(_) if dir.join(CARD).exists() => {
+            StoredCheckpoint::State(state) => trainer.state = *state,
+            StoredCheckpoint::Nothing | StoredCheckpoint::Damaged(_) if dir.join(CARD).exists() => {
                 let message = "already contains a trained model; choose another folder, or remove this one";
                 return Err(Error::file(dir, message));
             }
-            Left::Nothing => {}
-            Left::Damaged(path) => {
+            StoredCheckpoint::Nothing => {}
+            StoredCheckpoint::Damaged(path) => {
                 trainer.notices.push(format!("{}: is damaged; training starts from the beginning", path.display()));
             }
         }
@@ -129,17 +129,17 @@ impl Trainer {
     /// # Errors
     /// Fails if the loss is not finite, in which case the last good epoch stays on disk, and if files cannot be
     /// written.
-    pub fn run(&mut self, mut watch: impl FnMut(&Self)) -> Result<End> {
+    pub fn run(&mut self, mut watch: impl FnMut(&Self)) -> Result<TrainingEnd> {
         let training = self.card.spec.training;
         let plan = self.plan()?;
         let end = loop {
             let done = self.state.epochs.len();
             let since = self.state.best_epoch().map_or(0, |(best, _)| done - 1 - best);
             if done >= training.epochs.get() {
-                break End::Epochs;
+                break TrainingEnd::Epochs;
             }
             if since >= training.patience.get() {
-                break End::Patience;
+                break TrainingEnd::Patience;
             }
             self.epoch(done)?;
             checkpoint::write(&self.dir, &plan, &self.state)?;
@@ -153,7 +153,7 @@ impl Trainer {
     fn epoch(&mut self, number: usize) -> Result<()> {
         let training = self.card.spec.training;
         let mut order: Vec<usize> = (0..self.samples.len()).collect();
-        let mut random = Random::new(key(training.seed, number, usize::MAX));
+        let mut random = Random::new(random_seed(training.seed, number, usize::MAX));
         random.shuffle(&mut order);
         let batches = order.len().div_ceil(training.batch.get());
         let mut state = self.state.clone();
@@ -165,7 +165,8 @@ impl Trainer {
                 .map(|&i| interrupt::check().map(|()| self.gradient(&state.parameters, i, number)))
                 .collect::<Result<_>>()?;
             let loss = parts.iter().map(|p| p.0).sum::<f64>() / batch.len() as f64;
-            let mut gradients: Vec<Values<f32>> = parts.into_iter().map(|p| p.1).reduce(add).unwrap_or_default();
+            let mut gradients: Vec<Values<f32>> =
+                parts.into_iter().map(|p| p.1).reduce(sum_gradients).unwrap_or_default();
             let square = gradients.iter().flat_map(|g| g.iter()).map(|g| f64::from(*g).powi(2)).sum::<f64>();
             let norm = square.sqrt() / batch.len() as f64;
             if !loss.is_finite() || !norm.is_finite() {
@@ -178,7 +179,7 @@ impl Trainer {
             }
             let scale = ((training.clip.get() / norm).min(1.0) / batch.len() as f64) as f32;
             gradients.iter_mut().flat_map(|g| g.iter_mut()).for_each(|g| *g *= scale);
-            let rate = schedule(&training, number * batches + k, batches);
+            let rate = learning_rate(&training, number * batches + k, batches);
             state.adam.update(&mut state.parameters, &gradients, rate);
             total += loss * batch.len() as f64;
         }
@@ -193,7 +194,7 @@ impl Trainer {
         if state.best_epoch().is_none_or(|(_, best)| validation < best) {
             state.best = state.parameters.clone();
         }
-        let rate = schedule(&training, number * batches, batches);
+        let rate = learning_rate(&training, number * batches, batches);
         state.epochs.push(Epoch { training: total / order.len() as f64, validation, rate });
         self.state = state;
         Ok(())
@@ -202,7 +203,7 @@ impl Trainer {
     /// Computes the loss of training grasp `i`, and its gradient.
     fn gradient(&self, parameters: &Parameters, i: usize, epoch: usize) -> (f64, Vec<Values<f32>>) {
         let training = &self.card.spec.training;
-        let mut random = Random::new(key(training.seed, epoch, i));
+        let mut random = Random::new(random_seed(training.seed, epoch, i));
         let sample = &self.samples[i];
         let mut levels: Vec<usize> = (0..sample.forces.len()).collect();
         random.shuffle(&mut levels);
@@ -216,24 +217,24 @@ impl Trainer {
             mirror,
             tape: SharedTape::default(),
         };
-        let loss = pass(self.network.as_ref(), parameters, &inputs, training, &sample.levels(&levels));
+        let loss = sample_loss(self.network.as_ref(), parameters, &inputs, training, &sample.select_levels(&levels));
         (f64::from(loss.array()), gradients(loss, &parameters.matrices))
     }
 
     /// Fits the prediction interval of the best weights to the grasps held out from the training.
-    fn interval(&self) -> Result<Option<Interval>> {
+    fn interval(&self) -> Result<Option<PredictionInterval>> {
         let (network, _) = build(&self.card.spec.network, None);
         let predictor = Predictor::of(self.card.clone(), network, self.state.best.clone());
         let kept = self.validation.par_iter().map(|sample| {
             interrupt::check()?;
-            let answer = predictor.answer(&predictor.encode(sample.features.clone()), &sample.given)?;
+            let answer = predictor.decode(&predictor.encode(sample.features.clone()), &sample.grasp_loads)?;
             let level = |(k, signs): (usize, &ErrorIndicators)| {
                 let error = frame_error(sample, k, &answer.at(k));
                 (*signs, [error.displacement, error.stress, error.travel])
             };
-            Ok(answer.signs.iter().enumerate().map(level).collect())
+            Ok(answer.error_indicators.iter().enumerate().map(level).collect())
         });
-        Ok(Interval::fit(&kept.collect::<Result<Vec<Kept>>>()?))
+        Ok(PredictionInterval::fit(&kept.collect::<Result<Vec<ValidationErrors>>>()?))
     }
 
     /// Writes the model: card with prediction interval, best weights, curves.
@@ -248,7 +249,7 @@ impl Trainer {
 }
 
 /// Computes the loss of a sample whose features are those of `inputs`.
-pub fn pass<E: Real, T: Tape<E>>(
+pub fn sample_loss<E: Real, T: Tape<E>>(
     network: &(impl Forward<E, T> + ?Sized),
     parameters: &Parameters<E>,
     inputs: &Inputs<T>,
@@ -274,14 +275,14 @@ pub fn loss(
             return f64::NAN;
         }
         let inputs = Inputs { features: &s.features, normalisers, mirror: (false, false), tape: NoneTape };
-        f64::from(pass(network, parameters, &inputs, training, s).array())
+        f64::from(sample_loss(network, parameters, &inputs, training, s).array())
     };
     let losses: Vec<f64> = samples.par_iter().map(of).collect();
     losses.iter().sum::<f64>() / losses.len().max(1) as f64
 }
 
 /// Returns the learning rate of a step.
-fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
+fn learning_rate(training: &Training, step: usize, per_epoch: usize) -> f64 {
     let total = (training.epochs.get() * per_epoch) as f64;
     let (at, warm) = ((step as f64 + 0.5) / total, 0.02);
     let fall = 0.5 * (1.0 + (std::f64::consts::PI * (at - warm).max(0.0) / (1.0 - warm)).cos());
@@ -289,12 +290,12 @@ fn schedule(training: &Training, step: usize, per_epoch: usize) -> f64 {
 }
 
 /// Returns the random seed of a grasp in an epoch.
-fn key(seed: u64, epoch: usize, grasp: usize) -> u64 {
+fn random_seed(seed: u64, epoch: usize, grasp: usize) -> u64 {
     let mut random = Random::new(seed ^ (epoch as u64).rotate_left(32));
     random.bits() ^ Random::new(grasp as u64).bits()
 }
 
-fn add(mut a: Vec<Values<f32>>, b: Vec<Values<f32>>) -> Vec<Values<f32>> {
+fn sum_gradients(mut a: Vec<Values<f32>>, b: Vec<Values<f32>>) -> Vec<Values<f32>> {
     a.iter_mut().zip(&b).for_each(|(a, b)| a.iter_mut().zip(b.iter()).for_each(|(a, b)| *a += *b));
     a
 }

@@ -1,14 +1,14 @@
 //! Samples: a grasp of a data set, with features computed from its stored scene, and the finite-element results.
 
-use super::loss::{LossValue, root_error};
+use super::loss::{LossValue, bounded_relative_error};
 use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
-use crate::features::rows;
+use crate::features::select_rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::object_motion::motion;
+use crate::linear_response::object_motion::rigid_motion;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, loads_of};
+use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::{NetworkOutput, Normalisers};
 use base::error::{Error, Result};
 use dataset::{ObjectFile, StoredGrasp};
@@ -34,7 +34,7 @@ pub struct Sample {
     /// Force per finger of each level, N.
     pub forces: Vec<f64>,
     /// Load of each level, N and N m.
-    pub given: Vec<GraspLoad>,
+    pub grasp_loads: Vec<GraspLoad>,
     /// Displacement (levels, pads, nodes, 3), m.
     pub displacement: Vec<f32>,
     /// Stress (levels, pads, nodes), Pa.
@@ -92,7 +92,7 @@ impl Sample {
         let (pads, nodes) = (file.sizes.pads, file.sizes.nodes);
         let features = GraspFeatures::new(model, graph, &touch);
         let forces: Vec<f64> = frames.iter().map(|k| data.force[*k] / pads as f64).collect();
-        let all = loads_of(model);
+        let all = frame_loads(model);
         // With the force that the simulation applied.
         let given =
             frames.iter().zip(&forces).map(|(k, force)| GraspLoad { force: *force, ..all[*k] }).collect::<Vec<_>>();
@@ -100,7 +100,7 @@ impl Sample {
             object: file.name.clone(),
             grasp,
             loads: features.loads(&given),
-            given,
+            grasp_loads: given,
             features,
             forces,
             displacement: Vec::new(),
@@ -122,7 +122,7 @@ impl Sample {
             let Pose { position, rotation } = Pose::from_row(&data.object_pose[7 * k..]);
             let now = Pose { position, rotation };
             for finger in &model.fingers {
-                let (shift, turn) = motion(model, &touch.object, &now, finger.placement.rotation);
+                let (shift, turn) = rigid_motion(model, &touch.object, &now, finger.placement.rotation);
                 sample.motion.extend(shift.to_array().into_iter().chain(turn.to_array()));
             }
         }
@@ -130,26 +130,26 @@ impl Sample {
     }
 
     /// Returns a sample with these levels only.
-    pub fn levels(&self, levels: &[usize]) -> Self {
+    pub fn select_levels(&self, levels: &[usize]) -> Self {
         let count = self.forces.len();
         Self {
             object: self.object.clone(),
             grasp: self.grasp,
             frames: levels.iter().map(|l| self.frames[*l]).collect(),
             features: self.features.clone(),
-            loads: self.loads.levels(levels),
-            forces: rows(&self.forces, count, levels),
-            given: rows(&self.given, count, levels),
-            displacement: rows(&self.displacement, count, levels),
-            stress: rows(&self.stress, count, levels),
-            contact: rows(&self.contact, count, levels),
-            travel: rows(&self.travel, count, levels),
-            motion: rows(&self.motion, count, levels),
+            loads: self.loads.select_levels(levels),
+            forces: select_rows(&self.forces, count, levels),
+            grasp_loads: select_rows(&self.grasp_loads, count, levels),
+            displacement: select_rows(&self.displacement, count, levels),
+            stress: select_rows(&self.stress, count, levels),
+            contact: select_rows(&self.contact, count, levels),
+            travel: select_rows(&self.travel, count, levels),
+            motion: select_rows(&self.motion, count, levels),
         }
     }
 
-    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form ([`root_error`]), averaged
-    /// over the levels, weighted and added.
+    /// Computes the loss of `output`: relative errors (L2) of each level in a bounded form
+    /// ([`bounded_relative_error`]), averaged over the levels, weighted and added.
     ///
     /// Travel and motion are in the units of [`Normalisers`].
     pub fn loss<E: Real, T: Tape<E>>(
@@ -184,7 +184,7 @@ impl Sample {
         // In the pad frame the object presses against the closing direction.
         let turned: Vec<f32> = self.contact.as_chunks::<3>().0.iter().flat_map(|f| [-f[2], f[0], f[1]]).collect();
         let mirrored = [1.0, VECTOR[0].sign(mirror), VECTOR[1].sign(mirror)];
-        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing[at] * self.features.unit_force());
+        let (c, c_rows) = field(&turned, 3, &mirrored, &|at| loads.pressing_force[at] * self.features.unit_force());
         let travel = self.travel.iter().zip(&loads.travel).zip(depth).map(|((x, prior), d)| {
             (((x - prior) / d - f64::from(norms.travel[0])) / f64::from(norms.travel[1])) as f32
         });
@@ -208,7 +208,7 @@ impl Sample {
             .collect();
         let motion_rows = vec![each / 6.0; levels * pads];
         let part = |x: Matrix<E, T>, target: Vec<f32>, rows: Vec<f32>, weight: f32| {
-            root_error(x, target, rows, levels) * E::of(weight)
+            bounded_relative_error(x, target, rows, levels) * E::of(weight)
         };
         part(output.displacement, u, u_rows, 1.0)
             + part(output.stress, s, s_rows, weights[0])

@@ -1,6 +1,6 @@
 //! Files of one grasp. Grasps are independent of each other, so several may be recorded at once from different threads.
 
-use super::options::Options;
+use super::options::RecordingOptions;
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use geometry::mesh::TriMesh;
@@ -23,7 +23,7 @@ const WORK: u32 = 10;
 pub struct GraspRecorder {
     index: usize,
     dir: PathBuf,
-    options: Options,
+    options: RecordingOptions,
     topologies: Vec<PadTopology>,
     object: TriMesh,
     csv: Option<FramesCsv>,
@@ -44,7 +44,7 @@ impl GraspRecorder {
     /// Fails if a pad or the object cannot be recorded, and if the directory or a file cannot be created.
     pub fn create(
         run_dir: &Path,
-        options: &Options,
+        options: &RecordingOptions,
         index: usize,
         topologies: &[PadTopology],
         object: &TriMesh,

@@ -1,6 +1,6 @@
 //! Execution of the grasps of a scene, several in parallel, with bitwise identical results on any number of threads.
 
-pub mod effort;
+pub mod expected_time;
 pub mod grasp_files;
 mod motion;
 mod options;
@@ -11,7 +11,7 @@ pub mod writer;
 use crate::Stepper;
 use crate::environment::Environment;
 use crate::schedule::{Phase, Timings};
-use crate::systems::inversion::inverted;
+use crate::systems::inversion::inversion_message;
 use base::error::{Error, Result};
 use base::interrupt;
 use geometry::Pose;
@@ -20,7 +20,7 @@ use model::Model;
 use model::judge::Findings;
 use model::judge::Measured;
 use model::limits::free_memory;
-pub use options::Options;
+pub use options::RecordingOptions;
 use record::{Frame, GraspSummary, Status};
 pub use recorder::RunRecorder;
 
@@ -91,7 +91,7 @@ pub fn run_grasps(
     threads: usize,
     observer: &dyn Observer,
 ) -> Result<Vec<Outcome>> {
-    let workers = threads.clamp(1, grasps.len().max(1)).min(fitting(model));
+    let workers = threads.clamp(1, grasps.len().max(1)).min(grasps_in_memory(model));
     let (queue, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let slots: Vec<Mutex<Option<Result<Outcome>>>> = grasps.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
@@ -136,7 +136,7 @@ pub fn run_grasps(
 }
 
 /// Returns the number of grasps that fit into free memory at once; at least one.
-fn fitting(model: &Model) -> usize {
+fn grasps_in_memory(model: &Model) -> usize {
     let most = free_memory().map_or(usize::MAX, |free| (free / model.memory.max(1)) as usize);
     most.max(1)
 }
@@ -186,7 +186,7 @@ pub fn run_grasp(
     timings.stages.insert("other", (wall - accounted).max(0.0));
     let mut outcome = tally.finish(end, timings, wall);
     outcome.summary.grasp = index;
-    outcome.summary.handed_over = environment.handed_over().map(str::to_string);
+    outcome.summary.handed_over = environment.fallback_reason().map(str::to_string);
     observer.end(index, &outcome)?;
     Ok(outcome)
 }
@@ -228,7 +228,7 @@ impl Tally {
         if unsound && self.unsound.is_none() {
             let x: Vec<_> = frame.pads.iter().map(|pad| &pad.position[..]).collect();
             let finite = findings.is_none_or(|f| f.finite);
-            let what = if finite { inverted(model, &x) } else { "a recorded number is not finite".into() };
+            let what = if finite { inversion_message(model, &x) } else { "a recorded number is not finite".into() };
             self.unsound = Some(format!("frame {}: {what}", frame.index));
         }
         self.summary.get_or_insert_with(|| GraspSummary::new(Status::Reached, None)).observe(frame);

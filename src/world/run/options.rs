@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// Files that a run writes, and how.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Options {
+pub struct RecordingOptions {
     /// True to write `frames/*.vtu` and `run.pvd`.
     pub vtu: bool,
     /// True to write `frames.csv`.
@@ -32,9 +32,9 @@ pub struct Options {
     pub order: Vec<usize>,
 }
 
-impl Default for Options {
+impl Default for RecordingOptions {
     fn default() -> Self {
-        Options {
+        RecordingOptions {
             vtu: true,
             csv: true,
             arrays: true,

@@ -1,7 +1,7 @@
 //! Directory of a run: creates it, starts the recorders of grasps, keeps `run.json` current.
 
 use super::grasp_files::GraspRecorder;
-pub use super::options::Options;
+pub use super::options::RecordingOptions;
 use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, write_durable};
 use base::files::lock::FolderLock;
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct RunRecorder {
     dir: PathBuf,
-    options: Options,
+    options: RecordingOptions,
     report: RunReport,
     /// Summaries by position in the order and number of the grasp.
     grasps: BTreeMap<(usize, usize), GraspSummary>,
@@ -30,7 +30,7 @@ impl RunRecorder {
     ///
     /// # Errors
     /// Fails if another run is writing to the directory, if it holds an earlier run, or if it cannot be written.
-    pub fn create(dir: &Path, options: Options, report: RunReport) -> Result<Self> {
+    pub fn create(dir: &Path, options: RecordingOptions, report: RunReport) -> Result<Self> {
         let lock = FolderLock::alone(dir, "tactus run")?;
         if dir.join("run.json").exists() {
             if !options.overwrite {

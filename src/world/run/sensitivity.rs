@@ -76,9 +76,9 @@ impl Observer for LastFrames {
 
 /// Ends of grasps: status and last frame by number.
 #[derive(Debug, Default)]
-pub struct Ends(BTreeMap<usize, (Status, Option<Frame>)>);
+pub struct FinalStates(BTreeMap<usize, (Status, Option<Frame>)>);
 
-impl Ends {
+impl FinalStates {
     /// Collects the ends from the outcomes of grasps and the last frames kept while they ran.
     pub fn of(outcomes: &[Outcome], last: LastFrames) -> Self {
         let mut frames = last.0.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -96,7 +96,7 @@ pub fn sensitivity(
     scene: &Scene,
     model: &Arc<Model>,
     stepper: &dyn Stepper,
-    (grasps, base): (&[(usize, Pose)], &Ends),
+    (grasps, base): (&[(usize, Pose)], &FinalStates),
     threads: usize,
 ) -> Result<Vec<Vec<Moved>>> {
     let none = PadTopology::default();
@@ -114,7 +114,7 @@ pub fn sensitivity(
         let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose, midpoint))).collect();
         let last = LastFrames::default();
         let outcomes = run_grasps(&changed, stepper, &posed, threads, &last)?;
-        let mut other = Ends::of(&outcomes, last).0;
+        let mut other = FinalStates::of(&outcomes, last).0;
         for (answer, ((index, pose), (_, posed))) in answers.iter_mut().zip(grasps.iter().zip(&posed)) {
             let (Some((was, before)), Some((status, after))) = (base.0.get(index), other.remove(index)) else {
                 continue;

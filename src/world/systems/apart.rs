@@ -1,7 +1,7 @@
 //! Rejection of pads that meet next to a thin object: contact between the pads is not modelled.
 
 use crate::components::{ClosingDirection, FingerIndex, FingerTravel, Position, TABLES, rows_by_pad};
-use crate::schedule::{Next, Phase, Shared, StepLoad, StepReport};
+use crate::schedule::{NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use base::scales::FACE_BULGE;
 use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3};
@@ -9,10 +9,10 @@ use mech::contact::{ContactSurface, SurfaceFace};
 
 /// Ends the grasp with a fault, without recording the frame, if the pads overlap in the state just reached.
 pub fn reject_pad_overlap(
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
     nodes: Query<(&FingerIndex, &Position)>,
     fingers: Query<(&FingerIndex, &FingerTravel, &ClosingDirection)>,
 ) {
@@ -38,7 +38,7 @@ pub fn reject_pad_overlap(
     for (finger, position) in nodes.contiguous_iter().expect(TABLES) {
         rows_by_pad(finger).for_each(|(f, rows)| x[f] = position[rows].iter().map(|x| x.0 + carried[f]).collect());
     }
-    let depth = overlap(&first.surface, &x[0], &second.surface, &x[1], axis);
+    let depth = overlap_depth(&first.surface, &x[0], &second.surface, &x[1], axis);
     // Smaller overlaps are below the resolution of contact.
     if depth > offset {
         report.reached = false;
@@ -55,7 +55,7 @@ pub fn reject_pad_overlap(
 
 /// Returns the largest depth, m, by which two surfaces overlap that face each other along the unit vector `axis` (from
 /// the first to the second), over the points of the second; zero if they are apart. `x`, `y`: node positions, m.
-pub fn overlap(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: &[DVec3], axis: DVec3) -> f64 {
+pub fn overlap_depth(first: &ContactSurface, x: &[DVec3], second: &ContactSurface, y: &[DVec3], axis: DVec3) -> f64 {
     let nodes = first.faces.iter().flat_map(|f| f.corners.into_iter().chain(f.mids.into_iter().flatten()));
     let tip = nodes.map(|n| x[n as usize].dot(axis)).fold(f64::NEG_INFINITY, f64::max);
     let u = axis.any_orthonormal_vector();

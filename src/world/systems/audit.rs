@@ -1,6 +1,6 @@
 //! Audit as a system, which exists only if an expectation of the scene requires it.
 
-use crate::schedule::{CurrentGrasp, Recorded, Shared, Timings};
+use crate::schedule::{GraspPose, RecordedFrame, SharedModel, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use model::judge::Findings;
@@ -8,14 +8,14 @@ use std::time::Instant;
 
 /// Findings on the last recorded frame.
 #[derive(Resource, Debug, Default)]
-pub struct Audited(pub Option<Findings>);
+pub struct AuditFindings(pub Option<Findings>);
 
 /// Audits the frame of this step.
 pub fn audit_frame(
-    shared: Res<Shared>,
-    grasp: Res<CurrentGrasp>,
-    recorded: Res<Recorded>,
-    mut audited: ResMut<Audited>,
+    shared: Res<SharedModel>,
+    grasp: Res<GraspPose>,
+    recorded: Res<RecordedFrame>,
+    mut audited: ResMut<AuditFindings>,
     mut timings: ResMut<Timings>,
 ) {
     let model = &shared.0;

@@ -1,7 +1,7 @@
 //! Contact area of each pad.
 
 use crate::components::*;
-use crate::schedule::Shared;
+use crate::schedule::SharedModel;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use mech::potential::term::Stencil;
@@ -13,7 +13,7 @@ const WITHIN: f64 = 0.2;
 
 /// Returns, for each node of a pad that closes along `closing`, whether its pressing force exceeds `part` of the
 /// largest.
-pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<bool> {
+pub(super) fn pressed_nodes(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<bool> {
     let pressing = |force: &ContactForce| -force.0.dot(closing);
     let most = force.iter().map(pressing).fold(0.0, f64::max);
     force.iter().map(|force| pressing(force) > part * most).collect()
@@ -22,8 +22,8 @@ pub(super) fn pressed(force: &[ContactForce], closing: DVec3, part: f64) -> Vec<
 /// Returns an estimate of the contact area of the pad of `finger`, m2, from the contact forces `force` on its nodes (N,
 /// hand frame, in the order of the nodes), for a backend that has no contact points. A node counts if its pressing
 /// force exceeds a fifth of the largest one.
-pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
-    let pressed = pressed(force, finger.placement.closing, WITHIN);
+pub fn area_from_nodal_forces(finger: &FingerModel, force: &[ContactForce]) -> f64 {
+    let pressed = pressed_nodes(force, finger.placement.closing, WITHIN);
     let part = |around: &Stencil| {
         let (nodes, weights) = around.slices();
         let own = nodes.iter().zip(weights).filter(|(node, _)| pressed[**node as usize]);
@@ -35,9 +35,9 @@ pub fn by_nodes(finger: &FingerModel, force: &[ContactForce]) -> f64 {
 }
 
 /// Measures the contact area of each pad, m2, and writes it to [`ContactArea`]: the sum of the reference areas of the
-/// contact points under pressure, or the estimate of [`by_nodes`] if the backend has only nodal forces.
+/// contact points under pressure, or the estimate of [`area_from_nodal_forces`] if the backend has only nodal forces.
 pub fn measure_contact_area(
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     edges: Query<(&FingerIndex, &ContactEdge)>,
     nodes: Query<(&FingerIndex, &ContactForce)>,
     mut fingers: Query<(&FingerIndex, &mut ContactArea)>,
@@ -54,7 +54,7 @@ pub fn measure_contact_area(
     if edges.is_empty() {
         for (finger, force) in nodes.contiguous_iter().expect(TABLES) {
             for (f, rows) in rows_by_pad(finger) {
-                area[f] = by_nodes(&model.fingers[f], &force[rows]);
+                area[f] = area_from_nodal_forces(&model.fingers[f], &force[rows]);
             }
         }
     }

@@ -1,14 +1,14 @@
 //! Commands of the gripper: the pose of the object at the start, and the load of the next frame.
 
 use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
-use crate::schedule::{CurrentGrasp, ForceCommand, Next, Phase, Shared, StepLoad, StepReport};
+use crate::schedule::{ForceCommand, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 
 /// Places the object at its grasp pose in the open hand.
 pub fn place_object(
     phase: Res<Phase>,
-    grasp: Res<CurrentGrasp>,
-    mut next: ResMut<Next>,
+    grasp: Res<GraspPose>,
+    mut next: ResMut<NextPhase>,
     mut pose: Single<&mut ObjectPose>,
     mut travel: Query<&mut FingerTravel>,
 ) {
@@ -23,7 +23,12 @@ pub fn place_object(
 
 /// Rejects a weight that the squeeze cannot carry along the closing direction: geared fingers share their force, so the
 /// one under the object carries at most their sum.
-pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Next>, weight: Single<&ObjectWeight>) {
+pub fn refuse_weight(
+    phase: Res<Phase>,
+    shared: Res<SharedModel>,
+    mut next: ResMut<NextPhase>,
+    weight: Single<&ObjectWeight>,
+) {
     let model = &shared.0;
     let squeezed = model.force_driven && model.dynamics.is_none();
     if *phase != Phase::Place || !squeezed {
@@ -45,8 +50,8 @@ pub fn refuse_weight(phase: Res<Phase>, shared: Res<Shared>, mut next: ResMut<Ne
 /// Sets the load of the frame that this step computes.
 pub fn set_load(
     phase: Res<Phase>,
-    shared: Res<Shared>,
-    grasp: Res<CurrentGrasp>,
+    shared: Res<SharedModel>,
+    grasp: Res<GraspPose>,
     command: Option<Res<ForceCommand>>,
     mut load: ResMut<StepLoad>,
     mut report: ResMut<StepReport>,

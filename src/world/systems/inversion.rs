@@ -5,7 +5,7 @@ use model::Model;
 use record::pad_name;
 
 /// Describes the most inverted element of the pads and its reference position; `x`: node positions of each pad, m.
-pub fn inverted(model: &Model, x: &[&[DVec3]]) -> String {
+pub fn inversion_message(model: &Model, x: &[&[DVec3]]) -> String {
     let pads = model.fingers.iter().zip(x).enumerate();
     let smallest = pads.map(|(i, (f, x))| (i, f.body.min_det_f(x))).min_by(|a, b| a.1.total_cmp(&b.1));
     let found = smallest.and_then(|(i, det)| Some((i, det, model.fingers[i].body.most_inverted(x[i])?)));

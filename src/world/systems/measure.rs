@@ -1,7 +1,7 @@
 //! Balance of the forces of a frame, computed from the wrenches alone, for any stepper.
 
 use crate::components::*;
-use crate::schedule::{BalanceReport, CurrentGrasp, Next, Phase, Shared, StepLoad, StepReport};
+use crate::schedule::{BalanceReport, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
 use geometry::Wrench;
 use glam::DVec3;
@@ -13,8 +13,8 @@ type Loads<'a> = (&'a ObjectPose, Option<&'a ObjectWeight>, Option<&'a GroundWre
 /// For a fixed one, each finger's contact must carry the force that closes it; for a free one that is still held, this
 /// applies to the sum over the fingers.
 pub fn measure_balance(
-    shared: Res<Shared>,
-    grasp: Res<CurrentGrasp>,
+    shared: Res<SharedModel>,
+    grasp: Res<GraspPose>,
     load: Res<StepLoad>,
     mut balance: ResMut<BalanceReport>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel, &FingerForce, &FingerWrench)>,
@@ -80,7 +80,7 @@ pub fn refuse_imbalance(
     balance: Res<BalanceReport>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
 ) {
     if balance.force <= NO_EQUILIBRIUM {
         return;
@@ -94,7 +94,7 @@ pub fn refuse_imbalance(
 
 /// Measures the signed distance of every node to the object.
 pub fn measure_gap(
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
     object: Single<&ObjectPose>,
     mut nodes: Query<(&FingerIndex, &Position, &mut NodeGap)>,

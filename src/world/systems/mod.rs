@@ -12,7 +12,7 @@ pub mod sense;
 pub mod slip;
 mod tactile;
 
-use crate::schedule::{StepLabel, StepSet, ramping, reached};
+use crate::schedule::{StepLabel, StepSet, computes_frame, reached};
 use crate::systems::audit::audit_frame;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecutor};
@@ -36,7 +36,9 @@ pub fn schedule(needs: &Needs) -> Schedule {
 
 /// Adds the shared systems to their sets.
 pub fn register(schedule: &mut Schedule, needs: &Needs) {
-    schedule.add_systems((control::place_object, control::set_load.run_if(ramping)).chain().in_set(StepSet::Control));
+    schedule.add_systems(
+        (control::place_object, control::set_load.run_if(computes_frame)).chain().in_set(StepSet::Control),
+    );
     if needs.gravity && needs.free_object {
         // The first requested phase applies.
         schedule.add_systems(control::refuse_weight.before(control::place_object).in_set(StepSet::Control));

@@ -1,7 +1,9 @@
 //! Frame of a step, read from the columns, and the phase of the next step.
 
 use crate::components::*;
-use crate::schedule::{BalanceReport, ForceCommand, Next, Phase, Recorded, Shared, StepLoad, StepReport};
+use crate::schedule::{
+    BalanceReport, ForceCommand, NextPhase, Phase, RecordedFrame, SharedModel, StepLoad, StepReport,
+};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use record::{Frame, Moving, PadFrame};
@@ -33,11 +35,11 @@ type Object<'a> = (&'a ObjectPose, Option<(&'a ObjectVelocity, &'a ObjectMomentu
 #[allow(clippy::too_many_arguments)]
 pub fn record_frame(
     phase: Res<Phase>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     load: Res<StepLoad>,
     report: Res<StepReport>,
     balance: Res<BalanceReport>,
-    mut recorded: ResMut<Recorded>,
+    mut recorded: ResMut<RecordedFrame>,
     nodes: Query<Nodes>,
     tets: Query<(&FingerIndex, &TetStress)>,
     fingers: Query<Fingers>,
@@ -117,9 +119,9 @@ pub fn record_frame(
 /// Advances the procedure: to the phase that a system requested, otherwise to the next frame.
 pub fn advance_phase(
     mut phase: ResMut<Phase>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
     mut report: ResMut<StepReport>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     command: Option<Res<ForceCommand>>,
 ) {
     let asked = next.take();

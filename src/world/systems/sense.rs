@@ -1,8 +1,8 @@
 //! First contact, determined geometrically with undeformed pads.
 
 use crate::components::{FingerIndex, FingerTravel, FirstContact, ObjectPose};
-use crate::schedule::{Next, Phase, Shared};
-use crate::systems::apart::overlap;
+use crate::schedule::{NextPhase, Phase, SharedModel};
+use crate::systems::apart::overlap_depth;
 use bevy_ecs::prelude::*;
 use geometry::Pose;
 use glam::{DMat3, DVec3};
@@ -17,8 +17,8 @@ use record::pad_name;
 /// other makes contact, too. Without weight and obstacles this is a translation along the closing direction.
 pub fn close_to_contact(
     phase: Res<Phase>,
-    shared: Res<Shared>,
-    mut next: ResMut<Next>,
+    shared: Res<SharedModel>,
+    mut next: ResMut<NextPhase>,
     mut pose: Single<&mut ObjectPose>,
     mut fingers: Query<(&FingerIndex, &mut FingerTravel, &mut FirstContact)>,
 ) {
@@ -27,8 +27,8 @@ pub fn close_to_contact(
     }
     let model = &shared.0;
     if let Some(dynamics) = &model.dynamics {
-        let meets = if dynamics.squeezes() { close_together(model, &pose.0) } else { Ok(0.0) };
-        let apart = |t| keep_apart(model, &vec![t; model.fingers.len()]).map(|()| t);
+        let meets = if dynamics.squeezes() { geared_travel(model, &pose.0) } else { Ok(0.0) };
+        let apart = |t| check_pad_overlap(model, &vec![t; model.fingers.len()]).map(|()| t);
         match meets.and_then(apart) {
             Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
@@ -37,12 +37,12 @@ pub fn close_to_contact(
     }
     let mut travel = Vec::new();
     for index in 0..model.fingers.len() {
-        match first_contact(model, index, &pose.0, model.offset) {
+        match travel_to_contact(model, index, &pose.0, model.offset) {
             Ok(t) => travel.push(t),
             Err(reason) => return next.request(Phase::Infeasible { reason }),
         }
     }
-    pose.0.position += center(model, &mut travel);
+    pose.0.position += center_object(model, &mut travel);
     if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
         let (t, stroke) = (t * 1e3, model.stroke * 1e3);
         let name = pad_name(index);
@@ -50,7 +50,7 @@ pub fn close_to_contact(
             format!("the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm");
         return next.request(Phase::Infeasible { reason });
     }
-    if let Err(reason) = keep_apart(model, &travel) {
+    if let Err(reason) = check_pad_overlap(model, &travel) {
         return next.request(Phase::Infeasible { reason });
     }
     for (index, mut now, mut first) in &mut fingers {
@@ -61,7 +61,7 @@ pub fn close_to_contact(
 
 /// Equalises the travels at which two fingers touch a free object; returns the displacement of the object to the
 /// centre, m.
-pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
+pub fn center_object(model: &Model, travel: &mut [f64]) -> DVec3 {
     let (true, [first, second]) = (model.free, travel) else { return DVec3::ZERO };
     let pushed = model.fingers[0].placement.closing * (0.5 * (*second - *first));
     let mean = 0.5 * (*first + *second);
@@ -70,7 +70,7 @@ pub fn center(model: &Model, travel: &mut [f64]) -> DVec3 {
 }
 
 /// Rejects pads that overlap when they first touch the object: no load separates them again.
-fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
+fn check_pad_overlap(model: &Model, travel: &[f64]) -> Result<(), String> {
     let ([first, second], [t, u]) = (model.fingers.as_slice(), travel) else { return Ok(()) };
     let axis = first.placement.closing;
     if t + u < model.opening {
@@ -79,7 +79,7 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
     let moved = |finger: &FingerModel, t: f64| -> Vec<DVec3> {
         finger.body.rest.iter().map(|x| *x + finger.placement.closing * t).collect()
     };
-    let depth = overlap(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
+    let depth = overlap_depth(&first.surface, &moved(first, *t), &second.surface, &moved(second, *u), axis);
     if depth <= model.offset {
         return Ok(());
     }
@@ -91,8 +91,8 @@ fn keep_apart(model: &Model, travel: &[f64]) -> Result<(), String> {
 }
 
 /// Returns the common travel of geared fingers until the first pad touches the object.
-fn close_together(model: &Model, pose: &Pose) -> Result<f64, String> {
-    let mut each = (0..model.fingers.len()).map(|i| first_contact(model, i, pose, model.offset));
+fn geared_travel(model: &Model, pose: &Pose) -> Result<f64, String> {
+    let mut each = (0..model.fingers.len()).map(|i| travel_to_contact(model, i, pose, model.offset));
     each.try_fold(model.stroke, |first, travel| Ok(first.min(travel?)))
 }
 
@@ -101,7 +101,7 @@ fn close_together(model: &Model, pose: &Pose) -> Result<f64, String> {
 /// # Errors
 /// Fails if the pad overlaps the object in the open hand, or if the finger meets nothing within its reach; the message
 /// states which.
-pub fn first_contact(model: &Model, index: usize, pose: &Pose, clearance: f64) -> Result<f64, String> {
+pub fn travel_to_contact(model: &Model, index: usize, pose: &Pose, clearance: f64) -> Result<f64, String> {
     let finger = &model.fingers[index];
     let met = approach(
         &finger.surface,

@@ -1,8 +1,8 @@
 //! Slip of the nodes of the pads over the object.
 
 use crate::components::*;
-use crate::schedule::Shared;
-use crate::systems::contact_area::pressed;
+use crate::schedule::SharedModel;
+use crate::systems::contact_area::pressed_nodes;
 use bevy_ecs::prelude::*;
 use geometry::Pose;
 use geometry::face_lookup::FaceLookup;
@@ -23,7 +23,7 @@ type Nodes<'a> = (&'a FingerIndex, &'a Position, &'a ContactForce, &'a mut NodeS
 /// their slip state is used; if only nodal forces are known, a node slips if its tangential force is at Coulomb's limit
 /// of this friction.
 pub fn measure_slip(
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     edges: Query<(&FingerIndex, &ContactEdge, &ContactFriction)>,
     fingers: Query<(&FingerIndex, &ClosingDirection, &FingerTravel)>,
     object: Single<&ObjectPose>,
@@ -45,10 +45,12 @@ pub fn measure_slip(
                     let pads = rows_by_pad(finger).filter(move |(pad, _)| *pad == f);
                     pads.map(move |(_, rows)| (&edges[rows.clone()], &friction[rows]))
                 });
-                edges.for_each(|(edges, friction)| by_points((model, f), carried[f], x, edges, friction, own));
+                edges.for_each(|(edges, friction)| {
+                    slip_from_contact_points((model, f), carried[f], x, edges, friction, own)
+                });
             } else {
                 let x = x.iter().map(|x| x.0 + carried[f]);
-                let parts = by_nodes((model, f), x, &force[rows], &object.0);
+                let parts = slip_from_nodal_forces((model, f), x, &force[rows], &object.0);
                 own.iter_mut().zip(parts).for_each(|(own, part)| own.0 = part);
             }
         }
@@ -57,19 +59,19 @@ pub fn measure_slip(
 
 /// Returns the fraction of the force of each node of pad `f` that slips, 0 or 1, if only nodal forces are known: `x`
 /// are the positions of the nodes, hand frame.
-pub fn by_nodes(
+pub fn slip_from_nodal_forces(
     (model, f): (&Model, usize),
     x: impl Iterator<Item = DVec3>,
     force: &[ContactForce],
     object: &Pose,
 ) -> Vec<f64> {
     let back = object.rotation.inverse();
-    let pressed = pressed(force, model.fingers[f].placement.closing, PRESSED);
+    let pressed = pressed_nodes(force, model.fingers[f].placement.closing, PRESSED);
     let part = |((x, force), pressed): ((DVec3, &ContactForce), bool)| {
         let at = back * (x - object.position);
         let normal = || model.object.distance.closest(at, f64::INFINITY).map(|c| object.rotation * c.normal);
         f64::from(match model.needs.friction {
-            true => pressed && normal().is_some_and(|n| slides(force.0, n, model.fingers[f].law.friction)),
+            true => pressed && normal().is_some_and(|n| at_friction_limit(force.0, n, model.fingers[f].law.friction)),
             // Without friction, everything in contact slips.
             false => force.0 != DVec3::ZERO,
         })
@@ -79,13 +81,13 @@ pub fn by_nodes(
 
 /// Returns true if a force on a pad (N) that presses along the outward normal of the object is at Coulomb's limit of
 /// this friction.
-fn slides(force: DVec3, normal: DVec3, friction: f64) -> bool {
+fn at_friction_limit(force: DVec3, normal: DVec3, friction: f64) -> bool {
     force.dot(normal) > 0.0 && tangential(force, normal, friction).1 >= AT_LIMIT
 }
 
 /// Accumulates the slip of the contact points of pad `f` at its nodes: `x` are their positions relative to the finger,
 /// `carried` is its displacement, m.
-fn by_points(
+fn slip_from_contact_points(
     (model, f): (&Model, usize),
     carried: DVec3,
     x: &[Position],

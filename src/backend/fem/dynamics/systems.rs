@@ -5,16 +5,16 @@ use crate::fem::solver::GraspSolver;
 use bevy_ecs::prelude::*;
 use geometry::Wrench;
 use world::components::*;
-use world::schedule::{Next, Phase, Shared, StepLoad, StepReport};
+use world::schedule::{NextPhase, Phase, SharedModel, StepLoad, StepReport};
 
 /// Integrates up to the time of the frame. On failure the state is the last accepted one and the grasp ends.
 pub fn advance_time(
     mut solver: ResMut<GraspSolver>,
     mut integrator: ResMut<Integrator>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     load: Res<StepLoad>,
     mut report: ResMut<StepReport>,
-    mut next: ResMut<Next>,
+    mut next: ResMut<NextPhase>,
 ) {
     let model = &shared.0;
     let Some(dynamics) = &model.dynamics else { return };
@@ -61,7 +61,7 @@ pub fn measure_motion(
 /// Measures the wrench of the ground on the object.
 pub fn measure_ground(
     solver: Res<GraspSolver>,
-    shared: Res<Shared>,
+    shared: Res<SharedModel>,
     mut report: ResMut<StepReport>,
     mut object: Query<&mut GroundWrench>,
 ) {

@@ -42,7 +42,7 @@ impl Activation {
 
     /// Returns the derivative at `z`.
     #[inline(always)]
-    fn slope<E: Real>(self, z: E) -> E {
+    fn derivative<E: Real>(self, z: E) -> E {
         let (half, one) = (E::of(0.5), E::of(1.0));
         let root = (z * z + one).sqrt();
         match self {
@@ -91,6 +91,6 @@ impl<E: Real> WithSimd for Slopes<'_, E> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.2.iter_mut().zip(self.1).for_each(|(dy, z)| *dy *= self.0.slope(*z));
+        self.2.iter_mut().zip(self.1).for_each(|(dy, z)| *dy *= self.0.derivative(*z));
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Corrects the contact forces x (levels * pads * nodes, 3) of each load level so that the object is in equilibrium at
 /// that level. Returns x itself if `balances` is empty. `mirror` holds the signs of the x and y components relative to
 /// those of the pads.
-pub fn balanced<E: Real, T: Tape<E>>(
+pub fn balance_contact_forces<E: Real, T: Tape<E>>(
     x: Matrix<E, T>,
     balances: &[Arc<ObjectBalance>],
     mirror: [f32; 2],

@@ -1,20 +1,20 @@
 //! Linear response of a pad: displacement of its nodes under forces on its face, and the stress of this displacement.
 
-use super::apply;
+use super::sparse_product;
 use crate::autodiff::tensor::{Matrix, Real, Tape, record, values};
 use crate::linear_response::compliance::Compliance;
 use dfdx::prelude::{HasShape, ReshapeTo, SplitTape};
 use std::sync::Arc;
 
 /// Linear map of rows: (rows, columns of the input) to (rows, columns of the result).
-type Map<E> = fn(&Compliance, &[E]) -> Vec<E>;
+type LinearMap<E> = fn(&Compliance, &[E]) -> Vec<E>;
 
 /// Applies `map` to the rows of x; `transpose` is its transpose. The result has `rows` rows.
 fn mapped<E: Real, T: Tape<E>>(
     pad: &Arc<Compliance>,
     x: Matrix<E, T>,
     rows: usize,
-    [map, transpose]: [Map<E>; 2],
+    [map, transpose]: [LinearMap<E>; 2],
 ) -> Matrix<E, T> {
     let y = map(pad, &values(&x));
     let ((x, tape), pad) = (x.split_tape(), pad.clone());
@@ -27,7 +27,7 @@ fn mapped<E: Real, T: Tape<E>>(
 
 /// Computes the displacement of the free (not bonded) nodes (n, moving nodes * 3), in the order of their slots, from
 /// forces (n, forces).
-pub fn respond<E: Real, T: Tape<E>>(pad: &Arc<Compliance>, force: Matrix<E, T>) -> Matrix<E, T> {
+pub fn free_displacement<E: Real, T: Tape<E>>(pad: &Arc<Compliance>, force: Matrix<E, T>) -> Matrix<E, T> {
     let rows = force.shape().0;
     mapped(pad, force, rows, [Compliance::displacements, Compliance::displacements_transposed])
 }
@@ -40,7 +40,7 @@ pub fn deviatoric_stress<E: Real, T: Tape<E>>(pad: &Arc<Compliance>, moved: Matr
 }
 
 /// Scatters the displacement of the free nodes to all nodes (n * nodes, 3); zero where bonded.
-pub fn displaced<E: Real, T: Tape<E>>(pad: &Compliance, moved: Matrix<E, T>) -> Matrix<E, T> {
+pub fn scatter_to_nodes<E: Real, T: Tape<E>>(pad: &Compliance, moved: Matrix<E, T>) -> Matrix<E, T> {
     let (rows, cols) = *moved.shape();
-    apply(&pad.scatter, moved.reshape_like(&(rows * cols / 3, 3)))
+    sparse_product(&pad.scatter, moved.reshape_like(&(rows * cols / 3, 3)))
 }

@@ -4,7 +4,7 @@ use crate::autodiff::tensor::{Matrix, Real, Tape, record, values};
 use dfdx::prelude::{HasShape, SplitTape};
 
 /// Regularisation that keeps the norm smooth at zero stress.
-pub const LITTLE: f32 = 1e-6;
+pub const STRESS_REGULARISATION: f32 = 1e-6;
 
 /// Computes `sqrt(3 (a2 + b2 + a b + c2 + d2 + e2))` of every row (xx, yy, xy, yz, zx) of x (n, 5): (n, 1).
 pub fn von_mises<E: Real, T: Tape<E>>(x: Matrix<E, T>) -> Matrix<E, T> {
@@ -12,7 +12,8 @@ pub fn von_mises<E: Real, T: Tape<E>>(x: Matrix<E, T>) -> Matrix<E, T> {
     assert_eq!(cols, 5, "a deviator has five components");
     let (two, three) = (E::of(2.0), E::of(3.0));
     let norm = |[a, b, c, d, e]: [E; 5]| {
-        (three * (a * a + b * b + a * b + c * c + d * d + e * e) + E::of(LITTLE * LITTLE)).sqrt()
+        (three * (a * a + b * b + a * b + c * c + d * d + e * e) + E::of(STRESS_REGULARISATION * STRESS_REGULARISATION))
+            .sqrt()
     };
     let given = values(&x);
     let y: Vec<E> = given.as_chunks::<5>().0.iter().map(|s| norm(*s)).collect();

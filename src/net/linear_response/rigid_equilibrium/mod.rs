@@ -13,7 +13,7 @@ mod step;
 
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, amid, around};
+use crate::linear_response::{GraspLoad, enclosing_pair, midpoint_between_pads};
 use geometry::{Pose, Wrench};
 use glam::{DMat3, DQuat, DVec3};
 use model::Model;
@@ -30,7 +30,7 @@ const QUERIES: usize = 8;
 /// Rigid motion, over the largest of a step, below which no further query is needed.
 const SETTLED_MOTION: f64 = 0.1;
 /// Gap from which on a face node is out of reach of the object.
-const FAR: f64 = 2.5;
+const MAX_QUERY_GAP: f64 = 2.5;
 
 /// Grasp, and its path from first contact to its largest force.
 #[derive(Debug, Clone)]
@@ -48,12 +48,12 @@ pub struct RigidEquilibrium {
     /// Force below which a free object is held fixed and its support carries its weight.
     release: f64,
     /// Smallest gap of the basis functions of each pad at first contact.
-    nearest: Vec<f64>,
+    smallest_gaps: Vec<f64>,
     /// States of the path with their forces: first contact, `FIRST`, then steps by the factor `STEP` and the release,
     /// up to at least the largest force.
-    path: Vec<(f64, Rest)>,
+    path: Vec<(f64, Equilibrium)>,
     /// Queries of the object at every face node of each pad at the end of the path.
-    faces: Vec<Vec<Seen>>,
+    face_queries: Vec<Vec<QueriedPoint>>,
 }
 
 /// Frame of a finger.
@@ -68,49 +68,49 @@ struct Finger {
 
 /// Result of a query of the object at a point of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seen {
+struct QueriedPoint {
     /// Distance; negative is inside.
     gap: f64,
     /// Outward normal of the object, pad frame; zero if it is out of reach.
     normal: DVec3,
     /// Queried point, moved back with the object to its pose at first contact; hand axes.
-    place: DVec3,
+    point: DVec3,
 }
 
 /// Equilibrium of the grasp under a force.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rest {
+pub struct Equilibrium {
     /// Travel of each finger since first contact.
     pub travel: [f64; 2],
     /// Translation of the point of the object midway between the pads.
-    pub shift: DVec3,
+    pub translation: DVec3,
     /// Rotation of the object.
     pub rotation: DQuat,
     /// Force on each basis function of each pad.
     pub force: Vec<Vec<DVec3>>,
     /// Displacement under each basis function.
-    pub moved: Vec<Vec<DVec3>>,
+    pub displacement: Vec<Vec<DVec3>>,
     /// Moment on each pad about its closing direction by friction within the basis functions.
     pub twist: [f64; 2],
     /// Queries of the object at each basis function; empty for a state interpolated between two states of the path.
-    seen: Vec<Vec<Seen>>,
+    queries: Vec<Vec<QueriedPoint>>,
 }
 
-impl Rest {
+impl Equilibrium {
     /// Returns the linear interpolation towards another state, by the fraction `part`.
-    fn towards(&self, other: &Self, part: f64) -> Self {
+    fn interpolated(&self, other: &Self, part: f64) -> Self {
         let all = |from: &[Vec<DVec3>], to: &[Vec<DVec3>]| {
             let pads = from.iter().zip(to);
             pads.map(|(from, to)| from.iter().zip(to).map(|(a, b)| a.lerp(*b, part)).collect()).collect()
         };
         Self {
             travel: [0, 1].map(|k| self.travel[k] + part * (other.travel[k] - self.travel[k])),
-            shift: self.shift.lerp(other.shift, part),
+            translation: self.translation.lerp(other.translation, part),
             rotation: self.rotation.lerp(other.rotation, part),
             force: all(&self.force, &other.force),
-            moved: all(&self.moved, &other.moved),
+            displacement: all(&self.displacement, &other.displacement),
             twist: [0, 1].map(|k| self.twist[k] + part * (other.twist[k] - self.twist[k])),
-            seen: Vec::new(),
+            queries: Vec::new(),
         }
     }
 }
@@ -118,11 +118,11 @@ impl Rest {
 impl RigidEquilibrium {
     /// Creates the grasp of `model` from first contact `touch`, and its path to the model's largest force.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
-        let (t, amid) = (graph.thickness, amid(model));
+        let (t, midpoint) = (graph.thickness, midpoint_between_pads(model));
         let unit = model.material.moduli().young * t.powi(2);
         let finger = |(finger, travel): (&model::part::FingerModel, &f64)| {
             let place = &finger.placement;
-            let origin = (place.place(DVec3::ZERO) + place.closing * *travel - amid) / t;
+            let origin = (place.place(DVec3::ZERO) + place.closing * *travel - midpoint) / t;
             Finger { closing: place.closing, rotation: place.rotation, origin }
         };
         let center = touch.object.position + touch.object.rotation * model.object.mass.center;
@@ -130,56 +130,57 @@ impl RigidEquilibrium {
             fingers: model.fingers.iter().zip(&touch.travel).map(finger).collect(),
             graph: graph.clone(),
             friction: model.friction,
-            weight: [touch.weight / unit, (center - amid) / t],
+            weight: [touch.weight / unit, (center - midpoint) / t],
             free: model.free,
             held: true,
             release: model.release / unit,
-            nearest: vec![0.0; model.fingers.len()],
+            smallest_gaps: vec![0.0; model.fingers.len()],
             path: Vec::new(),
-            faces: Vec::new(),
+            face_queries: Vec::new(),
         };
-        let object = Object { model, pose: touch.object, amid, thickness: t };
+        let object = Object { model, pose: touch.object, midpoint, thickness: t };
         let most = model.levels.iter().copied().fold(0.0, f64::max) / unit;
-        let start = equilibrium.at_touch(&object);
+        let start = equilibrium.first_contact(&object);
         // First contact is that of the full face at a small clearance: gaps of the basis functions of each pad are
         // measured from the smallest one there.
-        let nearest = |seen: &Vec<Seen>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
-        equilibrium.nearest = start.seen.iter().map(nearest).collect();
-        let (mut force, mut rest) = (0.0, equilibrium.looked(start, &object));
+        let nearest = |seen: &Vec<QueriedPoint>| seen.iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
+        equilibrium.smallest_gaps = start.queries.iter().map(nearest).collect();
+        let (mut force, mut state) = (0.0, equilibrium.with_queries(start, &object));
         let release = equilibrium.release;
         while force < most {
             let next = f64::max(FIRST, force * STEP);
             let lets_go = equilibrium.free && force < release && release <= next;
             let next = if lets_go { release } else { next };
-            let after = equilibrium.solve_and_query(&rest, next, &object);
-            equilibrium.path.push((force, std::mem::replace(&mut rest, after)));
+            let after = equilibrium.solve_and_query(&state, next, &object);
+            equilibrium.path.push((force, std::mem::replace(&mut state, after)));
             force = next;
             if lets_go {
                 equilibrium.held = false;
-                let after = equilibrium.solve_and_query(&rest, force, &object);
-                equilibrium.path.push((force.next_down(), std::mem::replace(&mut rest, after)));
+                let after = equilibrium.solve_and_query(&state, force, &object);
+                equilibrium.path.push((force.next_down(), std::mem::replace(&mut state, after)));
             }
         }
         equilibrium.held = false;
-        equilibrium.faces = (0..equilibrium.fingers.len()).map(|p| equilibrium.face(p, &rest, &object)).collect();
-        equilibrium.path.push((force, rest));
+        equilibrium.face_queries =
+            (0..equilibrium.fingers.len()).map(|p| equilibrium.query_face(p, &state, &object)).collect();
+        equilibrium.path.push((force, state));
         equilibrium
     }
 
     /// Returns true if a free object is still held fixed under `load`: its support carries its weight then, and it does
     /// not move.
-    pub fn holds(&self, load: &GraspLoad) -> bool {
+    pub fn is_held_fixed(&self, load: &GraspLoad) -> bool {
         self.free && load.force < self.release
     }
 
-    /// Returns the force of `finger` under `load` at `rest`. Geared fingers share their force: around a held object in
+    /// Returns the force of `finger` under `load` at `state`. Geared fingers share their force: around a held object in
     /// proportion to the resistance of their pads; else one carries more of the load on the object than the other.
-    pub fn finger_force(&self, finger: usize, load: &GraspLoad, rest: &Rest) -> f64 {
+    pub fn finger_force(&self, finger: usize, load: &GraspLoad, state: &Equilibrium) -> f64 {
         let fingers = self.fingers.len() as f64;
-        if self.holds(load) {
+        if self.is_held_fixed(load) {
             let resists = |pad: &Vec<DVec3>| -pad.iter().map(|force| force.z).sum::<f64>();
-            let all: f64 = rest.force.iter().map(resists).sum();
-            return if all > 0.0 { fingers * load.force * resists(&rest.force[finger]) / all } else { load.force };
+            let all: f64 = state.force.iter().map(resists).sum();
+            return if all > 0.0 { fingers * load.force * resists(&state.force[finger]) / all } else { load.force };
         }
         let share = self.load_about_centre(load).force.dot(self.fingers[finger].closing) / fingers;
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
@@ -187,130 +188,134 @@ impl RigidEquilibrium {
 
     /// Returns the force and moment of weight and push on the object, about its centre of mass.
     pub fn load_about_centre(&self, load: &GraspLoad) -> Wrench {
-        let weight = if self.holds(load) { DVec3::ZERO } else { self.weight[0] };
+        let weight = if self.is_held_fixed(load) { DVec3::ZERO } else { self.weight[0] };
         Wrench { force: weight + load.push.force, torque: load.push.torque }
     }
 
-    /// Returns the force and moment of weight and push on the object at `rest`, about the point midway between the
+    /// Returns the force and moment of weight and push on the object at `state`, about the point midway between the
     /// pads.
-    pub fn load_about_midpoint(&self, rest: &Rest, load: &GraspLoad) -> Wrench {
+    pub fn load_about_midpoint(&self, state: &Equilibrium, load: &GraspLoad) -> Wrench {
         let (Wrench { force, torque }, center) =
-            (self.load_about_centre(load), rest.rotation * self.weight[1] + rest.shift);
+            (self.load_about_centre(load), state.rotation * self.weight[1] + state.translation);
         Wrench { force, torque: torque + center.cross(force) }
     }
 
     /// Returns the state under `load`: interpolated between two states of the path, then pushed.
-    pub fn rest(&self, load: &GraspLoad) -> Rest {
-        let squeezed = match (around(&self.path, load.force), self.path.last()) {
-            (Some((before, after, part)), _) => before.towards(after, part),
-            (None, Some((most, last))) if *most < load.force => self.follow(last, &load.force.into()).0,
+    pub fn equilibrium(&self, load: &GraspLoad) -> Equilibrium {
+        let squeezed = match (enclosing_pair(&self.path, load.force), self.path.last()) {
+            (Some((before, after, part)), _) => before.interpolated(after, part),
+            (None, Some((most, last))) if *most < load.force => self.solve_equilibrium(last, &load.force.into()).0,
             _ => self.path[0].1.clone(),
         };
-        if load.push == Wrench::ZERO || !self.free { squeezed } else { self.pushed(&squeezed, load) }
+        if load.push == Wrench::ZERO || !self.free { squeezed } else { self.under_push(&squeezed, load) }
     }
 
     /// Returns the equilibrium under a force, with the object queried there: solution and query alternate until the
     /// rigid motion is small.
-    fn solve_and_query(&self, before: &Rest, force: f64, object: &Object) -> Rest {
-        let mut rest = before.clone();
+    fn solve_and_query(&self, before: &Equilibrium, force: f64, object: &Object) -> Equilibrium {
+        let mut state = before.clone();
         for _ in 0..QUERIES {
-            let (after, motion) = self.follow(&rest, &force.into());
-            rest = self.looked(after, object);
+            let (after, motion) = self.solve_equilibrium(&state, &force.into());
+            state = self.with_queries(after, object);
             if motion < SETTLED_MOTION {
                 break;
             }
         }
-        rest
+        state
     }
 
     /// Returns the state after a push on the squeezed object. Gaps and normals are extrapolated from those of the first
     /// state of the path with at least its force.
-    fn pushed(&self, squeezed: &Rest, load: &GraspLoad) -> Rest {
+    fn under_push(&self, squeezed: &Equilibrium, load: &GraspLoad) -> Equilibrium {
         let near = self.path.partition_point(|(force, _)| *force < load.force).min(self.path.len() - 1);
         let known = &self.path[near].1;
         let along = |pad: usize| {
-            let functions = squeezed.moved[pad].iter().zip(&known.moved[pad]).zip(&self.graph.basis.rest);
-            functions.zip(&known.seen[pad]).map(move |(((moved, then), at), seen)| {
+            let functions =
+                squeezed.displacement[pad].iter().zip(&known.displacement[pad]).zip(&self.graph.basis.centers);
+            functions.zip(&known.queries[pad]).map(move |(((moved, then), at), seen)| {
                 // The object is replaced by its tangent plane there.
-                let place = |rest: &Rest, moved: DVec3| {
-                    rest.rotation.inverse() * (self.place(pad, *at, moved, rest) - rest.shift)
+                let place = |state: &Equilibrium, moved: DVec3| {
+                    state.rotation.inverse() * (self.hand_position(pad, *at, moved, state) - state.translation)
                 };
                 let (now, then) = (place(squeezed, *moved), place(known, *then));
                 let turn = self.fingers[pad].rotation.transpose();
                 let normal =
                     turn * (squeezed.rotation * known.rotation.inverse() * (self.fingers[pad].rotation * seen.normal));
                 let apart = turn * (squeezed.rotation * (now - then));
-                Seen { gap: seen.gap + normal.dot(apart), normal, place: now }
+                QueriedPoint { gap: seen.gap + normal.dot(apart), normal, point: now }
             })
         };
-        let seen = (0..self.fingers.len()).map(|pad| along(pad).collect()).collect();
-        self.follow(&Rest { seen, ..squeezed.clone() }, load).0
+        let queries = (0..self.fingers.len()).map(|pad| along(pad).collect()).collect();
+        self.solve_equilibrium(&Equilibrium { queries, ..squeezed.clone() }, load).0
     }
 
     /// Returns the depth that the object prescribes at each face node of `pad` along its normal, with this normal;
     /// negative is a gap.
-    pub fn pressed(&self, pad: usize, rest: &Rest) -> Vec<(f64, DVec3)> {
+    pub fn prescribed_depths(&self, pad: usize, state: &Equilibrium) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
-        let along = |(seen, x): (&Seen, &DVec3)| {
-            let apart = self.place(pad, *x, DVec3::ZERO, rest) - rest.rotation * seen.place - rest.shift;
+        let along = |(seen, x): (&QueriedPoint, &DVec3)| {
+            let apart =
+                self.hand_position(pad, *x, DVec3::ZERO, state) - state.rotation * seen.point - state.translation;
             let apart = inverse * apart;
             (-seen.gap - seen.normal.dot(apart), seen.normal)
         };
-        self.faces[pad].iter().zip(&self.graph.rest).map(along).collect()
+        self.face_queries[pad].iter().zip(&self.graph.rest).map(along).collect()
     }
 
     /// Returns the position of a point of `pad` with reference position `at` (m, pad frame) and displacement `moved`.
-    pub fn place(&self, pad: usize, at: DVec3, moved: DVec3, rest: &Rest) -> DVec3 {
+    pub fn hand_position(&self, pad: usize, at: DVec3, moved: DVec3, state: &Equilibrium) -> DVec3 {
         let Finger { closing, rotation, origin } = &self.fingers[pad];
-        *rotation * (at / self.graph.thickness + moved) + *origin + *closing * rest.travel[pad]
+        *rotation * (at / self.graph.thickness + moved) + *origin + *closing * state.travel[pad]
     }
 
-    /// Queries the object at the point `place` of `pad`, with the grasp at `rest`.
-    fn see(&self, pad: usize, place: DVec3, rest: &Rest, object: &Object) -> Seen {
-        let place = rest.rotation.inverse() * (place - rest.shift);
-        let (gap, normal) = object.look(place);
-        Seen {
-            gap: gap - self.nearest[pad],
-            normal: self.fingers[pad].rotation.transpose() * (rest.rotation * normal),
-            place,
+    /// Queries the object at the point `place` of `pad`, with the grasp at `state`.
+    fn query_point(&self, pad: usize, place: DVec3, state: &Equilibrium, object: &Object) -> QueriedPoint {
+        let point = state.rotation.inverse() * (place - state.translation);
+        let (gap, normal) = object.distance_and_normal(point);
+        QueriedPoint {
+            gap: gap - self.smallest_gaps[pad],
+            normal: self.fingers[pad].rotation.transpose() * (state.rotation * normal),
+            point,
         }
     }
 
     /// Returns the state at first contact, without any force.
-    fn at_touch(&self, object: &Object) -> Rest {
+    fn first_contact(&self, object: &Object) -> Equilibrium {
         let basis = &self.graph.basis;
         let all = || vec![vec![DVec3::ZERO; basis.count()]; self.fingers.len()];
-        let rest = Rest {
+        let state = Equilibrium {
             travel: [0.0; 2],
-            shift: DVec3::ZERO,
+            translation: DVec3::ZERO,
             rotation: DQuat::IDENTITY,
             force: all(),
-            moved: all(),
+            displacement: all(),
             twist: [0.0; 2],
-            seen: Vec::new(),
+            queries: Vec::new(),
         };
-        self.looked(rest, object)
+        self.with_queries(state, object)
     }
 
-    /// Returns `rest` with the object queried at its basis functions.
-    fn looked(&self, mut rest: Rest, object: &Object) -> Rest {
-        let basis = &self.graph.basis.rest;
+    /// Returns `state` with the object queried at its basis functions.
+    fn with_queries(&self, mut state: Equilibrium, object: &Object) -> Equilibrium {
+        let basis = &self.graph.basis.centers;
         let of = |pad: usize| {
-            let points = basis.iter().zip(&rest.moved[pad]);
-            points.map(|(x, u)| self.see(pad, self.place(pad, *x, *u, &rest), &rest, object)).collect()
+            let points = basis.iter().zip(&state.displacement[pad]);
+            points
+                .map(|(x, u)| self.query_point(pad, self.hand_position(pad, *x, *u, &state), &state, object))
+                .collect()
         };
-        rest.seen = (0..self.fingers.len()).map(of).collect();
-        rest
+        state.queries = (0..self.fingers.len()).map(of).collect();
+        state
     }
 
-    /// Queries the object at the face nodes of `pad`, with the grasp at `rest`.
-    fn face(&self, pad: usize, rest: &Rest, object: &Object) -> Vec<Seen> {
+    /// Queries the object at the face nodes of `pad`, with the grasp at `state`.
+    fn query_face(&self, pad: usize, state: &Equilibrium, object: &Object) -> Vec<QueriedPoint> {
         let graph = &self.graph;
-        let forces = graph.basis.on_face(&rest.force[pad], graph.face.len());
-        let moved = graph.compliance.on_face(&graph.face, &[forces]).remove(0);
+        let forces = graph.basis.face_forces(&state.force[pad], graph.face.len());
+        let moved = graph.compliance.face_displacements(&graph.face, &[forces]).remove(0);
         let see = |(x, u): (&DVec3, &DVec3)| {
-            let seen = self.see(pad, self.place(pad, *x, *u, rest), rest, object);
-            if seen.gap < FAR { seen } else { Seen { normal: DVec3::ZERO, ..seen } }
+            let seen = self.query_point(pad, self.hand_position(pad, *x, *u, state), state, object);
+            if seen.gap < MAX_QUERY_GAP { seen } else { QueriedPoint { normal: DVec3::ZERO, ..seen } }
         };
         graph.rest.iter().zip(&moved).map(see).collect()
     }
@@ -320,14 +325,14 @@ impl RigidEquilibrium {
 struct Object<'a> {
     model: &'a Model,
     pose: Pose,
-    amid: DVec3,
+    midpoint: DVec3,
     thickness: f64,
 }
 
 impl Object<'_> {
     /// Returns the signed distance of a point, and the normal in hand axes.
-    fn look(&self, place: DVec3) -> (f64, DVec3) {
-        let at = self.pose.rotation.inverse() * (place * self.thickness + self.amid - self.pose.position);
+    fn distance_and_normal(&self, place: DVec3) -> (f64, DVec3) {
+        let at = self.pose.rotation.inverse() * (place * self.thickness + self.midpoint - self.pose.position);
         let closest = self.model.object.distance.closest(at, f64::INFINITY);
         closest.map_or((f64::MAX, DVec3::ZERO), |c| (c.distance / self.thickness, self.pose.rotation * c.normal))
     }

@@ -6,7 +6,7 @@
 //! friction would exceed Coulomb's limit, the basis function slips against a spring along the face, whose compliance is
 //! adapted until the force is at the limit (secant iteration).
 
-use super::{Rest, RigidEquilibrium, Seen};
+use super::{Equilibrium, QueriedPoint, RigidEquilibrium};
 use crate::linear_response::GraspLoad;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
@@ -39,9 +39,9 @@ type Rigid = [f64; RIGID];
 
 /// Basis functions of a pad during a step.
 struct Contact {
-    touching: Vec<bool>,
+    active: Vec<bool>,
     /// Compliance of the spring against which a basis function slips; zero if it sticks.
-    give: Vec<f64>,
+    slip_compliance: Vec<f64>,
     force: Vec<DVec3>,
 }
 
@@ -57,26 +57,26 @@ impl RigidEquilibrium {
     /// Finds the equilibrium under `load` from the state `before`, or an intermediate state, without queries of the
     /// object. Also returns the largest rigid motion over [`LARGEST`]: 1 if it was damped. An object that nothing
     /// constrains stays in its pose, and the fingers close on it: linear pads cannot determine whether it slips away.
-    pub(crate) fn follow(&self, before: &Rest, load: &GraspLoad) -> (Rest, f64) {
+    pub(crate) fn solve_equilibrium(&self, before: &Equilibrium, load: &GraspLoad) -> (Equilibrium, f64) {
         if self.free && !self.held {
             for damping in DAMPING {
-                let (rest, motion) = self.moved(before, load, Some(damping));
+                let (state, motion) = self.solve_with_damping(before, load, Some(damping));
                 if motion < 1.0 {
-                    return (rest, if damping > 0.0 { 1.0 } else { motion });
+                    return (state, if damping > 0.0 { 1.0 } else { motion });
                 }
             }
         }
-        let (rest, motion) = self.moved(before, load, None);
-        (if motion < 1.0 { rest } else { before.clone() }, 0.0)
+        let (state, motion) = self.solve_with_damping(before, load, None);
+        (if motion < 1.0 { state } else { before.clone() }, 0.0)
     }
 
     /// Finds the equilibrium with an object that moves, with damping, or is fixed (None). Also returns the largest
     /// rigid motion over [`LARGEST`].
-    fn moved(&self, before: &Rest, load: &GraspLoad, damping: Option<f64>) -> (Rest, f64) {
+    fn solve_with_damping(&self, before: &Equilibrium, load: &GraspLoad, damping: Option<f64>) -> (Equilibrium, f64) {
         let mut contacts: Vec<Contact> = (0..self.fingers.len()).map(|p| Contact::new(before, p)).collect();
         let (mut rigid, mut now) = ([0.0; RIGID], before.clone());
         for iteration in 0..ITERATIONS {
-            let solve = |(p, contact): (usize, &Contact)| self.solve(p, before, contact);
+            let solve = |(p, contact): (usize, &Contact)| self.factorise_active(p, before, contact);
             let Some(solved) = contacts.par_iter().enumerate().map(solve).collect::<Option<Vec<_>>>() else { break };
             rigid = self.balance(before, &contacts, &solved, load, damping);
             let part = if iteration < HALVED_FROM { 1.0 } else { 0.5 };
@@ -89,23 +89,23 @@ impl RigidEquilibrium {
                 break;
             }
         }
-        (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel(p)]);
+        (0..self.fingers.len()).for_each(|p| now.travel[p] += rigid[self.travel_unknown(p)]);
         let turn = DVec3::from_slice(&rigid[5..8]);
-        now.shift += DVec3::from_slice(&rigid[2..5]);
+        now.translation += DVec3::from_slice(&rigid[2..5]);
         now.rotation = (DQuat::from_scaled_axis(turn) * now.rotation).normalize();
         for (p, contact) in contacts.iter().enumerate() {
             let held = |(function, force): (usize, &DVec3)| {
-                let normal = before.seen[p][function].normal;
+                let normal = before.queries[p][function].normal;
                 let push = force.dot(normal).max(0.0);
                 // Friction carries no more than Coulomb's limit.
                 let (along, _) = tangential(*force, normal, self.friction);
                 let along = along * kept(along.length(), self.friction * push);
-                if contact.touching[function] { normal * push + along } else { DVec3::ZERO }
+                if contact.active[function] { normal * push + along } else { DVec3::ZERO }
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();
-            now.moved[p] = self.graph.basis.respond(&now.force[p]);
+            now.displacement[p] = self.graph.basis.displacements(&now.force[p]);
             // The friction moment is bounded by Coulomb's limit, too.
-            let (stiffness, most) = self.twisted(contact);
+            let (stiffness, most) = self.twist_resistance(contact);
             let twist = now.twist[p] + stiffness * turn.dot(self.fingers[p].closing);
             now.twist[p] = twist.clamp(-most, most);
         }
@@ -115,18 +115,18 @@ impl RigidEquilibrium {
 
     /// Returns the index of the unknown that is the travel of `finger`: fingers around a free object are geared, as in
     /// the finite element model.
-    fn travel(&self, finger: usize) -> usize {
+    fn travel_unknown(&self, finger: usize) -> usize {
         if self.free { 0 } else { finger }
     }
 
     /// Returns the motion of a point of `pad` relative to the object, along a direction of the pad, per unit of each
     /// rigid motion.
-    fn moves(&self, pad: usize, before: &Rest, seen: &Seen, direction: DVec3) -> Rigid {
+    fn rigid_jacobian_row(&self, pad: usize, before: &Equilibrium, query: &QueriedPoint, direction: DVec3) -> Rigid {
         let finger = &self.fingers[pad];
         let direction = finger.rotation * direction;
-        let turned = (before.rotation * seen.place).cross(direction);
+        let turned = (before.rotation * query.point).cross(direction);
         let mut row = [0.0; RIGID];
-        row[self.travel(pad)] = direction.dot(finger.closing);
+        row[self.travel_unknown(pad)] = direction.dot(finger.closing);
         for k in 0..3 {
             row[2 + k] = -direction[k];
             row[5 + k] = -turned[k];
@@ -135,14 +135,14 @@ impl RigidEquilibrium {
     }
 
     /// Factorises the compliance of the active basis functions of `pad`; None if it is not positive definite.
-    fn solve(&self, pad: usize, before: &Rest, contact: &Contact) -> Option<Solved> {
-        let basis: Vec<usize> = (0..contact.touching.len()).filter(|function| contact.touching[*function]).collect();
+    fn factorise_active(&self, pad: usize, before: &Equilibrium, contact: &Contact) -> Option<Solved> {
+        let basis: Vec<usize> = (0..contact.active.len()).filter(|function| contact.active[*function]).collect();
         let n = 3 * basis.len();
         let mut factor = Mat::<f64>::zeros(n, n);
         let mut columns = Mat::<f64>::zeros(n, RIGID + 1);
         for (b, from) in basis.iter().enumerate() {
-            let seen = &before.seen[pad][*from];
-            let asked = before.moved[pad][*from] - seen.normal * seen.gap;
+            let query = &before.queries[pad][*from];
+            let asked = before.displacement[pad][*from] - query.normal * query.gap;
             for k in 0..3 {
                 // The compliance is symmetric: its rows are its columns.
                 let row = self.graph.basis.row(*from, k);
@@ -151,10 +151,10 @@ impl RigidEquilibrium {
                     (0..3).for_each(|c| column[3 * a + c] = row[3 * to + c]);
                 }
                 for c in 0..3 {
-                    let along = f64::from(u8::from(k == c)) - seen.normal[k] * seen.normal[c];
-                    column[3 * b + c] += contact.give[*from] * along;
+                    let along = f64::from(u8::from(k == c)) - query.normal[k] * query.normal[c];
+                    column[3 * b + c] += contact.slip_compliance[*from] * along;
                 }
-                let moves = self.moves(pad, before, seen, DVec3::AXES[k]);
+                let moves = self.rigid_jacobian_row(pad, before, query, DVec3::AXES[k]);
                 (0..RIGID).for_each(|m| columns[(3 * b + k, m)] = moves[m]);
                 columns[(3 * b + k, RIGID)] = asked[k];
             }
@@ -169,21 +169,24 @@ impl RigidEquilibrium {
     /// Returns the stiffness of a pad against rotation about its closing direction within its active basis functions,
     /// and the moment that friction carries there: a function covers a part of the face and resists rotation about its
     /// centre.
-    fn twisted(&self, contact: &Contact) -> (f64, f64) {
+    fn twist_resistance(&self, contact: &Contact) -> (f64, f64) {
         let (basis, t) = (&self.graph.basis, self.graph.thickness);
-        let touching = (0..contact.touching.len()).filter(|function| contact.touching[*function]);
+        let active = (0..contact.active.len()).filter(|function| contact.active[*function]);
         let of = |function: usize| {
             let radius = basis.radius[function] / t;
             let pressing = contact.force[function].z.abs();
-            (radius * radius / (basis.own(function) + contact.give[function]), self.friction * pressing * radius)
+            (
+                radius * radius / (basis.self_compliance(function) + contact.slip_compliance[function]),
+                self.friction * pressing * radius,
+            )
         };
-        touching.map(of).fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
+        active.map(of).fold((0.0, 0.0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
     }
 
     /// Computes the rigid motions that balance the fingers and, if it moves (with `damping`), the object.
     fn balance(
         &self,
-        before: &Rest,
+        before: &Equilibrium,
         contacts: &[Contact],
         solved: &[Solved],
         load: &GraspLoad,
@@ -196,8 +199,8 @@ impl RigidEquilibrium {
                 (0..RIGID).for_each(|b| stiffness[a][b] += dot(a, b));
                 right[a] += dot(a, RIGID);
             }
-            right[self.travel(p)] += load.force;
-            let (twisted, closing) = (self.twisted(&contacts[p]).0, self.fingers[p].closing);
+            right[self.travel_unknown(p)] += load.force;
+            let (twisted, closing) = (self.twist_resistance(&contacts[p]).0, self.fingers[p].closing);
             for a in 0..3 {
                 (0..3).for_each(|b| stiffness[5 + a][5 + b] += twisted * closing[a] * closing[b]);
                 right[5 + a] -= before.twist[p] * closing[a];
@@ -209,7 +212,8 @@ impl RigidEquilibrium {
             right[2 + k] += force[k];
             right[5 + k] += torque[k];
         }
-        let used = |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel(p) == a) } else { damping.is_some() };
+        let used =
+            |a: usize| if a < 2 { (0..solved.len()).any(|p| self.travel_unknown(p) == a) } else { damping.is_some() };
         let damping = damping.unwrap_or(0.0);
         let scale = (0..RIGID).map(|a| stiffness[a][a]).fold(1e-9, f64::max);
         let matrix = Mat::<f64>::from_fn(RIGID, RIGID, |a, b| match (used(a) && used(b), a == b) {
@@ -226,7 +230,7 @@ impl RigidEquilibrium {
     fn update_active_set(
         &self,
         pad: usize,
-        before: &Rest,
+        before: &Equilibrium,
         contact: &mut Contact,
         solved: &Solved,
         rigid: &Rigid,
@@ -241,28 +245,28 @@ impl RigidEquilibrium {
         for (a, function) in basis.iter().enumerate() {
             contact.force[*function] = DVec3::from_array([0, 1, 2].map(|k| forces[(3 * a + k, 0)]));
         }
-        let moved = self.graph.basis.respond(&contact.force);
+        let moved = self.graph.basis.displacements(&contact.force);
         let mut same = true;
-        for (function, seen) in before.seen[pad].iter().enumerate() {
-            let Seen { gap, normal, .. } = *seen;
-            if !contact.touching[function] {
-                let moves = self.moves(pad, before, seen, normal);
+        for (function, query) in before.queries[pad].iter().enumerate() {
+            let QueriedPoint { gap, normal, .. } = *query;
+            if !contact.active[function] {
+                let moves = self.rigid_jacobian_row(pad, before, query, normal);
                 let by: f64 = moves.iter().zip(rigid).map(|(m, q)| m * q).sum();
-                let inside = gap + by + normal.dot(moved[function] - before.moved[pad][function]) < -1e-9;
-                (contact.touching[function], same) = (inside, same && !inside);
+                let inside = gap + by + normal.dot(moved[function] - before.displacement[pad][function]) < -1e-9;
+                (contact.active[function], same) = (inside, same && !inside);
                 continue;
             }
-            let (force, give) = (contact.force[function], contact.give[function]);
+            let (force, slip_compliance) = (contact.force[function], contact.slip_compliance[function]);
             let push = force.dot(normal);
             if push < 0.0 {
-                (contact.touching[function], contact.give[function], same) = (false, 0.0, false);
+                (contact.active[function], contact.slip_compliance[function], same) = (false, 0.0, false);
                 continue;
             }
-            let own = self.graph.basis.own(function);
+            let own = self.graph.basis.self_compliance(function);
             let beyond = tangential(force, normal, self.friction).1;
-            let softer = ((own + give) * beyond - own).clamp(0.0, 1e6);
-            same &= (softer - give).abs() <= CONVERGED * (own + softer);
-            contact.give[function] += part * (softer - give);
+            let softer = ((own + slip_compliance) * beyond - own).clamp(0.0, 1e6);
+            same &= (softer - slip_compliance).abs() <= CONVERGED * (own + softer);
+            contact.slip_compliance[function] += part * (softer - slip_compliance);
         }
         same
     }
@@ -270,12 +274,12 @@ impl RigidEquilibrium {
 
 impl Contact {
     /// Creates the basis functions of pad `p` at the start of a step.
-    fn new(before: &Rest, p: usize) -> Self {
-        let mut touching: Vec<bool> = before.force[p].iter().map(|f| *f != DVec3::ZERO).collect();
-        if !touching.contains(&true) {
-            let nearest = before.seen[p].iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
-            touching = before.seen[p].iter().map(|s| s.gap <= nearest + NEAR && s.normal != DVec3::ZERO).collect();
+    fn new(before: &Equilibrium, p: usize) -> Self {
+        let mut active: Vec<bool> = before.force[p].iter().map(|f| *f != DVec3::ZERO).collect();
+        if !active.contains(&true) {
+            let nearest = before.queries[p].iter().map(|s| s.gap).fold(f64::INFINITY, f64::min);
+            active = before.queries[p].iter().map(|s| s.gap <= nearest + NEAR && s.normal != DVec3::ZERO).collect();
         }
-        Self { give: vec![0.0; touching.len()], force: before.force[p].clone(), touching }
+        Self { slip_compliance: vec![0.0; active.len()], force: before.force[p].clone(), active }
     }
 }

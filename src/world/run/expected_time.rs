@@ -20,7 +20,7 @@ use scene::{Fem, Scene, Solver, StepperChoice};
 use serde::Serialize;
 
 /// Factor within which seven of eight measured times agree with the expected one.
-pub const EXPECTED_WITHIN: u32 = 3;
+pub const EXPECTED_TIME_FACTOR: u32 = 3;
 
 /// Time to start the program and to mesh, s.
 const START: f64 = 0.03;

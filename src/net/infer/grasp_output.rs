@@ -1,13 +1,13 @@
 //! Output of the network for a grasp at some loads, converted to SI on request.
 
+use super::contact_correction::corrected_travel;
 pub use super::output_arrays::OutputArrays;
 use super::predicted_state::{GraspState, PadState};
-use super::touch::touched;
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::network::Normalisers;
-use crate::network::interval::{ErrorIndicators, Interval};
+use crate::network::interval::{ErrorIndicators, PredictionInterval};
 use glam::DVec3;
 use rayon::prelude::*;
 use record::ErrorBound;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Output of the network for some load levels of a grasp.
 #[derive(Debug)]
-pub struct Answer {
+pub struct GraspOutput {
     pub(crate) loads: LoadFeatures,
     pub(crate) out: OutputArrays,
     pub(crate) norms: Normalisers,
@@ -30,14 +30,14 @@ pub struct Answer {
     /// Travel at which the predicted faces touch the object, m: (levels, pads).
     pub(crate) travel: Vec<f64>,
     /// Error indicators of each level.
-    pub(crate) signs: Vec<ErrorIndicators>,
-    pub(crate) interval: Option<Interval>,
+    pub(crate) error_indicators: Vec<ErrorIndicators>,
+    pub(crate) interval: Option<PredictionInterval>,
     /// Flags: the prediction interval is valid at a level.
-    pub(crate) known: Vec<bool>,
+    pub(crate) interval_valid: Vec<bool>,
 }
 
 /// Returns block `at` of `count` numbers: those of one pad at one level.
-fn own(all: &[f32], at: usize, count: usize) -> &[f32] {
+fn block(all: &[f32], at: usize, count: usize) -> &[f32] {
     &all[at * count..(at + 1) * count]
 }
 
@@ -45,7 +45,7 @@ fn vector(v: &[f32; 3]) -> DVec3 {
     DVec3::new(v[0].into(), v[1].into(), v[2].into())
 }
 
-impl Answer {
+impl GraspOutput {
     /// Returns true if all numbers of a level are finite.
     pub(crate) fn is_finite(&self, level: usize) -> bool {
         let (out, loads) = (&self.out, &self.loads);
@@ -53,27 +53,27 @@ impl Answer {
         let stressed = if self.stress { nodes } else { 0 };
         (level * self.pads..(level + 1) * self.pads).all(|at| {
             let fields = [
-                own(&out.displacement, at, 3 * nodes),
-                own(&out.stress, at, stressed),
-                own(&out.contact, at, 3 * face),
-                own(&out.travel, at, 1),
-                own(&out.motion, at, 6),
+                block(&out.displacement, at, 3 * nodes),
+                block(&out.stress, at, stressed),
+                block(&out.contact, at, 3 * face),
+                block(&out.travel, at, 1),
+                block(&out.motion, at, 6),
             ];
             // `v * 0.0` is NaN for every `v` that is not finite, and a sum preserves NaN.
             let all = |v: &[f32]| v.iter().map(|v| v * 0.0).sum::<f32>() == 0.0;
-            let given = [loads.depth[at], loads.travel[at], loads.pressing[at]];
+            let given = [loads.depth[at], loads.travel[at], loads.pressing_force[at]];
             fields.into_iter().all(all) && given.iter().chain(&loads.motion[6 * at..6 * at + 6]).all(|v| v.is_finite())
         })
     }
 
     /// Returns the state at one level.
     pub(crate) fn at(&self, level: usize) -> GraspState {
-        combined(&[(self, level, 1.0)])
+        linear_combination(&[(self, level, 1.0)])
     }
 
     /// Returns the upper ends of the prediction intervals (90 %) of a level.
     pub(crate) fn error(&self, level: usize) -> ErrorBound {
-        let known = self.interval.zip(self.signs.get(level)).filter(|_| self.known[level]);
+        let known = self.interval.zip(self.error_indicators.get(level)).filter(|_| self.interval_valid[level]);
         known.map_or(ErrorBound::UNKNOWN, |(interval, signs)| interval.at(signs))
     }
 
@@ -83,44 +83,44 @@ impl Answer {
         let count = graph.face.len();
         (0..self.pads * count).map(move |i| {
             let at = level * self.pads + i / count;
-            let moved = own(&self.out.displacement, at, 3 * nodes).as_chunks().0;
+            let moved = block(&self.out.displacement, at, 3 * nodes).as_chunks().0;
             vector(&moved[graph.face[i % count] as usize]) * (self.loads.depth[at] * f64::from(self.norms.displacement))
         })
     }
 
     /// Returns the travel output of the network, m; `at` is the index of pad and level.
-    fn head_travel(&self, at: usize) -> f64 {
+    fn network_travel(&self, at: usize) -> f64 {
         let [mean, scale] = self.norms.travel.map(f64::from);
         self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel[at]))
     }
 
     /// Moves the fingers to where the predicted faces touch the object, so that the travel is consistent with
     /// displacement field and pose. The remaining mismatch is an error indicator.
-    pub(crate) fn touch(&mut self, features: &GraspFeatures) {
+    pub(crate) fn correct_travel(&mut self, features: &GraspFeatures) {
         let levels = self.loads.load.len();
         let of = |level: usize| {
             let state = self.at(level);
             let depth =
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
-            touched(features, &state.pads, &self.loads.load[level], depth)
+            corrected_travel(features, &state.pads, &self.loads.load[level], depth)
         };
-        let touched: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
-        self.travel = touched.iter().flat_map(|(travel, _)| travel).copied().collect();
-        self.signs = touched.into_iter().map(|(_, signs)| signs).collect();
+        let corrected: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
+        self.travel = corrected.iter().flat_map(|(travel, _)| travel).copied().collect();
+        self.error_indicators = corrected.into_iter().map(|(_, signs)| signs).collect();
     }
 }
 
 /// Returns the linear combination of decoded states, each given by its answer, level and weight; its error is the
 /// largest of theirs.
-pub(crate) fn combined(parts: &[(&Answer, usize, f64)]) -> GraspState {
+pub(crate) fn linear_combination(parts: &[(&GraspOutput, usize, f64)]) -> GraspState {
     let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
     let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
     let error = errors.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN);
     let held = parts.iter().all(|(answer, level, _)| answer.loads.held[*level]);
-    GraspState { pads: (0..pads).map(|pad| mixed_pad(pad, parts)).collect(), held, error }
+    GraspState { pads: (0..pads).map(|pad| combined_pad(pad, parts)).collect(), held, error }
 }
 
-fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
+fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {
     let (nodes, stressed) = parts.first().map_or((0, 0), |(answer, ..)| {
         (answer.graph.node_count, if answer.stress { answer.graph.node_count } else { 0 })
     });
@@ -129,35 +129,35 @@ fn mixed_pad(pad: usize, parts: &[(&Answer, usize, f64)]) -> PadState {
         stress: vec![0.0; stressed],
         contact: vec![DVec3::ZERO; nodes],
         travel: 0.0,
-        shift: DVec3::ZERO,
-        turn: DVec3::ZERO,
+        translation: DVec3::ZERO,
+        rotation_vector: DVec3::ZERO,
     };
     for &(answer, level, weight) in parts {
-        let Answer { loads, out, norms, graph, .. } = answer;
+        let GraspOutput { loads, out, norms, graph, .. } = answer;
         let (t, face) = (graph.thickness, graph.face.len());
         // Rows are ordered by level, then pad.
         let at = level * answer.pads + pad;
         let depth = loads.depth[at] * weight;
         let unit = depth * f64::from(norms.displacement);
-        let moved = own(&out.displacement, at, 3 * nodes).as_chunks().0;
+        let moved = block(&out.displacement, at, 3 * nodes).as_chunks().0;
         state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
         let unit = answer.young * depth / t * f64::from(norms.stress);
-        let stress = own(&out.stress, at, stressed);
+        let stress = block(&out.stress, at, stressed);
         state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);
-        let unit = loads.pressing[at] * answer.unit_force * weight;
-        for (i, c) in graph.face.iter().zip(own(&out.contact, at, 3 * face).as_chunks::<3>().0) {
+        let unit = loads.pressing_force[at] * answer.unit_force * weight;
+        for (i, c) in graph.face.iter().zip(block(&out.contact, at, 3 * face).as_chunks::<3>().0) {
             // In units of the pressing force: normal component against the closing direction, friction along x and y.
             state.contact[*i as usize] += vector(&[c[1], c[2], -c[0]]) * unit;
         }
-        state.travel += answer.travel.get(at).map_or_else(|| answer.head_travel(at), |travel| *travel) * weight;
+        state.travel += answer.travel.get(at).map_or_else(|| answer.network_travel(at), |travel| *travel) * weight;
         // A supported object does not move.
         if loads.held[level] {
             continue;
         }
-        let motion = own(&out.motion, at, 6).as_chunks().0;
+        let motion = block(&out.motion, at, 6).as_chunks().0;
         let given = |k: usize| DVec3::from_slice(&loads.motion[6 * at + k..]) * weight;
-        state.shift += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
-        state.turn += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
+        state.translation += given(0) + vector(&motion[0]) * (depth * f64::from(norms.motion[0]));
+        state.rotation_vector += given(3) + vector(&motion[1]) * (depth / t * f64::from(norms.motion[1]));
     }
     // Interpolation may overshoot.
     state.stress.iter_mut().for_each(|s| *s = s.max(0.0));

@@ -2,9 +2,9 @@
 //! them, and decodes the group at once.
 
 use super::FaceEngine;
-use super::hold::{hold, pulls};
-use super::predict::{Predictor, Seen};
-use super::ramp::Ramp;
+use super::friction_margin::{carries_load, friction_margin};
+use super::load_interpolation::LoadInterpolation;
+use super::predict::{EncodedGrasp, Predictor};
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
 use base::error::Result;
@@ -16,45 +16,57 @@ use std::sync::Arc;
 use world::environment::Environment;
 
 /// Largest number of grasps decoded together: with two pads each, they fill a register.
-const TOGETHER: usize = 8;
+const MAX_BATCH: usize = 8;
 
 /// Prediction of a grasp under those loads of its model that have an answer.
 #[derive(Debug)]
 pub struct PredictedGrasp {
     /// First contact.
-    pub touch: GeometricContact,
+    pub first_contact: GeometricContact,
     /// States under the loads.
-    pub ramp: Ramp,
+    pub interpolation: LoadInterpolation,
     /// Smallest remaining fraction of the friction limit under the loads; negative where the object slips.
-    pub hold: f64,
+    pub friction_margin: f64,
 }
 
 impl Predictor {
-    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see [`Predictor::answered`]. A
-    /// grasp that cannot start, or whose numbers are not finite, has its own error.
+    /// Predicts the grasps of `model` at `poses` under the loads that have an answer: see
+    /// [`Predictor::answerable_loads`]. A grasp that cannot start, or whose numbers are not finite, has its own error.
     ///
     /// # Errors
     /// Fails if the scene, or each of its forces, is outside the trained range and may not be extrapolated, and if it
     /// is interrupted.
-    pub fn many(&self, model: &Arc<Model>, poses: &[Pose], extrapolate: bool) -> Result<Vec<Result<PredictedGrasp>>> {
-        let graph = self.admit_some(model, extrapolate)?;
-        let loads: Vec<GraspLoad> = self.answered(model, extrapolate).into_iter().map(|(_, load)| load).collect();
+    pub fn predict_batch(
+        &self,
+        model: &Arc<Model>,
+        poses: &[Pose],
+        extrapolate: bool,
+    ) -> Result<Vec<Result<PredictedGrasp>>> {
+        let graph = self.graph_if_some_force_in_range(model, extrapolate)?;
+        let loads: Vec<GraspLoad> =
+            self.answerable_loads(model, extrapolate).into_iter().map(|(_, load)| load).collect();
         // Groups are small enough to occupy all threads; their composition does not change a single bit.
         let each = poses.len().div_ceil(rayon::current_num_threads());
-        let together = (FaceEngine::LOADS / Ramp::decoded_at_first(model, &loads).max(1)).min(each).clamp(1, TOGETHER);
+        let together = (FaceEngine::LOADS_PER_BATCH / LoadInterpolation::initial_load_count(model, &loads).max(1))
+            .min(each)
+            .clamp(1, MAX_BATCH);
         let predict = |environment: &mut Option<Environment>, poses: &[Pose]| -> Result<Vec<_>> {
             interrupt::check()?;
             let touch = |pose: &Pose| GeometricContact::find_in(environment, model, *pose);
             let touches: Vec<Result<GeometricContact>> = poses.iter().map(touch).collect();
-            let seen: Vec<Seen> =
-                touches.iter().flatten().map(|touch| self.look(model, &graph, touch).as_needed()).collect();
-            let mut ramps = Ramp::many(self, &seen.iter().collect::<Vec<_>>(), &loads).into_iter();
+            let encoded: Vec<EncodedGrasp> = touches
+                .iter()
+                .flatten()
+                .map(|touch| self.encode_first_contact(model, &graph, touch).without_unneeded_stress())
+                .collect();
+            let mut ramps =
+                LoadInterpolation::decode_batch(self, &encoded.iter().collect::<Vec<_>>(), &loads).into_iter();
             let grasp = |touch: Result<GeometricContact>| {
                 let (touch, ramp) = (touch?, ramps.next().expect("every contact has a ramp")?);
-                let pulled = loads.iter().enumerate().filter(|(_, load)| pulls(&touch, load));
-                let holds = pulled.filter_map(|(k, load)| Some(hold(model, &touch, &ramp.at(k)?, load)));
-                let hold = holds.fold(1.0, f64::min);
-                Ok(PredictedGrasp { touch, ramp, hold })
+                let pulled = loads.iter().enumerate().filter(|(_, load)| carries_load(&touch, load));
+                let margins = pulled.filter_map(|(k, load)| Some(friction_margin(model, &touch, &ramp.at(k)?, load)));
+                let margin = margins.fold(1.0, f64::min);
+                Ok(PredictedGrasp { first_contact: touch, interpolation: ramp, friction_margin: margin })
             };
             Ok(touches.into_iter().map(grasp).collect())
         };

@@ -26,12 +26,12 @@ impl PadGraphs {
     ///
     /// # Errors
     /// Fails as [`PadGraph::with_cache`] does, and if it is interrupted.
-    pub fn of(&self, fingers: &[&FingerModel]) -> Result<Vec<Arc<PadGraph>>> {
+    pub fn get_or_build(&self, fingers: &[&FingerModel]) -> Result<Vec<Arc<PadGraph>>> {
         let named: Vec<(String, f64)> =
             fingers.iter().map(|finger| (mesh_hash(&finger.topology), finger.body.material.moduli().poisson)).collect();
         let mut graphs = self.graphs.lock().unwrap_or_else(PoisonError::into_inner);
         let find = |graphs: &[Arc<PadGraph>], (hash, poisson): &(String, f64)| {
-            graphs.iter().find(|graph| graph.is_of(hash, *poisson)).cloned()
+            graphs.iter().find(|graph| graph.matches(hash, *poisson)).cloned()
         };
         let mut new: Vec<usize> = Vec::new();
         for (i, name) in named.iter().enumerate() {

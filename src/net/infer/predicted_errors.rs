@@ -2,7 +2,7 @@
 
 use super::predict::Predictor;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::loads_of;
+use crate::linear_response::frame_loads;
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;
@@ -19,11 +19,11 @@ pub fn predicted_errors(predictor: &Predictor, scene: &Scene, poses: &[Pose]) ->
     }
     let model = Model::build(&scene.on_own_mesh())?;
     let graph = predictor.graph(&model)?;
-    let loads = loads_of(&model);
+    let loads = frame_loads(&model);
     let last = loads.last().copied().unwrap_or_default();
     let doubt = |pose: &Pose| {
         let Ok(touch) = GeometricContact::find(&model, *pose) else { return Ok(0.0) };
-        Ok(predictor.at(&predictor.look(&model, &graph, &touch), last)?.error.displacement)
+        Ok(predictor.at(&predictor.encode_first_contact(&model, &graph, &touch), last)?.error.displacement)
     };
     poses.iter().map(doubt).collect()
 }

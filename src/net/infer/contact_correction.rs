@@ -5,7 +5,7 @@ use super::predicted_state::PadState;
 use crate::features::GraspFeatures;
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::object_motion::moved;
+use crate::linear_response::object_motion::pose_after_motion;
 use crate::network::interval::ErrorIndicators;
 use geometry::Pose;
 use glam::DVec3;
@@ -36,27 +36,28 @@ fn mean_motion(model: &Model, pads: &[PadState]) -> [DVec3; 2] {
         let all = model.fingers.iter().zip(pads).map(|(f, pad)| f.placement.rotation * pick(pad));
         all.sum::<DVec3>() / pads.len() as f64
     };
-    [mean(|p| p.shift), mean(|p| p.turn)]
+    [mean(|p| p.translation), mean(|p| p.rotation_vector)]
 }
 
 /// Returns the pose of the object in a state of the pads of a grasp with first contact `touch`.
-pub fn object_at(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> Pose {
+pub fn object_pose(model: &Model, touch: &GeometricContact, pads: &[PadState]) -> Pose {
     let [shift, turn] = mean_motion(model, pads);
-    if model.free { moved(model, &touch.object, shift, turn) } else { touch.object }
+    if model.free { pose_after_motion(model, &touch.object, shift, turn) } else { touch.object }
 }
 
 /// Returns the travel of each finger at which the force-weighted mean gap of its pressed nodes agrees with the contact
 /// law, and the error indicators of this answer, whose pads have the mean displacement `depth`, m.
-pub(super) fn touched(
+pub(super) fn corrected_travel(
     features: &GraspFeatures,
     pads: &[PadState],
     load: &GraspLoad,
     depth: f64,
 ) -> (Vec<f64>, ErrorIndicators) {
     let (model, t) = (&*features.model, features.graph.thickness);
-    let object = object_at(model, &features.touch, pads);
+    let object = object_pose(model, &features.first_contact, pads);
     let [_, turn] = mean_motion(model, pads);
-    let nodes: Vec<Vec<NearNode>> = pads.iter().enumerate().map(|(p, pad)| beside(features, p, pad, &object)).collect();
+    let nodes: Vec<Vec<NearNode>> =
+        pads.iter().enumerate().map(|(p, pad)| near_nodes(features, p, pad, &object)).collect();
     let sums = nodes.iter().map(|own| {
         let pressed = own.iter().filter(|n| n.force > 0.0);
         pressed.fold((0.0, 0.0), |(lacks, gains), n| (lacks - n.force * n.gap, gains + n.force * n.closing))
@@ -96,11 +97,11 @@ pub(super) fn touched(
 const GAP_DIFFERENCE: usize = 26;
 
 /// Queries the object at the face nodes of pad `p` that are pressed or close to it.
-fn beside(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose) -> Vec<NearNode> {
+fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose) -> Vec<NearNode> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
     let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
-    let carried = finger.placement.closing * (features.touch.travel[p] + pad.travel);
+    let carried = finger.placement.closing * (features.first_contact.travel[p] + pad.travel);
     let inverse = object.rotation.inverse();
     let columns = features.node.len() / (features.pads * graph.face.len());
     let of = |(i, node): (usize, &u32)| {

@@ -6,10 +6,10 @@
 //! push along each of two directions across the fingers. The change due to a push is proportional to the push and
 //! interpolated linearly between these forces, so that contact forces still balance it.
 
-use super::answer::{Answer, combined};
-use super::predict::{Predictor, Seen};
+use super::grasp_output::{GraspOutput, linear_combination};
+use super::predict::{EncodedGrasp, Predictor};
 use super::predicted_state::GraspState;
-use crate::linear_response::{GraspLoad, around};
+use crate::linear_response::{GraspLoad, enclosing_pair};
 use base::error::Result;
 use geometry::Wrench;
 use glam::DVec3;
@@ -26,14 +26,14 @@ const PUSH: f64 = 0.4;
 #[derive(Debug)]
 pub struct ForceInterpolation {
     /// Forces per finger and their levels.
-    rungs: Vec<(f64, usize)>,
+    levels: Vec<(f64, usize)>,
     /// Forces per finger with pushes, and their levels: without a push, and of the first push.
     pushed: Vec<(f64, [usize; 2])>,
     /// Directions of the pushes, hand frame; empty if the network was trained without pushes.
     directions: Vec<DVec3>,
     /// Push over the force per finger.
     push: f64,
-    answer: Answer,
+    answer: GraspOutput,
 }
 
 impl ForceInterpolation {
@@ -41,18 +41,18 @@ impl ForceInterpolation {
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn new(predictor: &Predictor, seen: &Seen, low: f64, high: f64) -> Result<Self> {
-        let model = seen.model();
-        let pushes = predictor.knows_pushes() && model.free && model.friction > 0.0;
+    pub fn new(predictor: &Predictor, encoded: &EncodedGrasp, low: f64, high: f64) -> Result<Self> {
+        let model = encoded.model();
+        let pushes = predictor.supports_pushes() && model.free && model.friction > 0.0;
         let axes = model.fingers.first().map(|finger| finger.placement.rotation);
         let directions: Vec<DVec3> =
             axes.filter(|_| pushes).iter().flat_map(|axes| [axes.x_axis, axes.y_axis]).collect();
         let push = PUSH * model.friction * model.fingers.len() as f64;
         let step = (high / low).powf(1.0 / (FORCES - 1) as f64);
-        let rungs: Vec<(f64, usize)> = (0..FORCES).map(|k| (low * step.powi(k as i32), k)).collect();
-        let mut loads: Vec<GraspLoad> = rungs.iter().map(|(force, _)| (*force).into()).collect();
+        let levels: Vec<(f64, usize)> = (0..FORCES).map(|k| (low * step.powi(k as i32), k)).collect();
+        let mut loads: Vec<GraspLoad> = levels.iter().map(|(force, _)| (*force).into()).collect();
         let mut pushed = Vec::new();
-        for (force, level) in PUSHED.iter().map(|rung| &rungs[*rung]) {
+        for (force, level) in PUSHED.iter().map(|rung| &levels[*rung]) {
             pushed.push((*force, [*level, loads.len()]));
             let along = |along: &DVec3| GraspLoad {
                 force: *force,
@@ -60,21 +60,21 @@ impl ForceInterpolation {
             };
             loads.extend(directions.iter().map(along));
         }
-        let answer = predictor.answer(seen, &loads)?;
-        Ok(Self { rungs, pushed, directions, push, answer })
+        let answer = predictor.decode(encoded, &loads)?;
+        Ok(Self { levels, pushed, directions, push, answer })
     }
 
     /// Returns true if pushes are available.
-    pub fn knows_pushes(&self) -> bool {
+    pub fn supports_pushes(&self) -> bool {
         !self.directions.is_empty()
     }
 
     /// Returns the states of the pads at `force` per finger, N, with a `push` on the object, N, hand frame; None
     /// outside the range of forces.
     pub fn at(&self, force: f64, push: DVec3) -> Option<GraspState> {
-        let (before, after, part) = around(&self.rungs, force)?;
+        let (before, after, part) = enclosing_pair(&self.levels, force)?;
         let mut levels = vec![(*before, 1.0 - part), (*after, part)];
-        let (before, after, part) = around(&self.pushed, force)?;
+        let (before, after, part) = enclosing_pair(&self.pushed, force)?;
         let along: Vec<f64> = self.directions.iter().map(|d| d.dot(push) / (self.push * force)).collect();
         let whole: f64 = along.iter().sum();
         for ([still, first], part) in [(before, 1.0 - part), (after, part)] {
@@ -83,6 +83,6 @@ impl ForceInterpolation {
         }
         levels.retain(|(_, weight)| *weight != 0.0);
         let parts: Vec<_> = levels.into_iter().map(|(level, part)| (&self.answer, level, part)).collect();
-        Some(combined(&parts))
+        Some(linear_combination(&parts))
     }
 }

@@ -6,8 +6,8 @@ use super::predict::Predictor;
 use crate::features::GraspFeatures;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, loads_of};
-use crate::network::card::{Card, Trained};
+use crate::linear_response::{GraspLoad, frame_loads};
+use crate::network::card::{Card, StoredModel};
 use crate::network::spec::NetworkSpec;
 use base::error::{Error, Result};
 use base::interrupt;
@@ -23,7 +23,7 @@ use world::environment::Environment;
 
 /// Direction of differentiation of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GripChange {
+pub enum DerivativeDirection {
     /// Proportional change of all forces.
     Force,
     /// Change of the coefficient of friction.
@@ -34,7 +34,7 @@ pub enum GripChange {
     Rotation(usize),
 }
 
-impl GripChange {
+impl DerivativeDirection {
     /// All changes.
     pub const ALL: [Self; 8] = [
         Self::Force,
@@ -50,7 +50,7 @@ impl GripChange {
 
 /// Grasp whose inputs are computed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grip {
+pub struct GraspParameters {
     /// Pose of the hand.
     pub pose: Pose,
     /// Force under each load, N: the sum over the fingers.
@@ -59,14 +59,14 @@ pub struct Grip {
     pub friction: f64,
 }
 
-impl Grip {
-    fn changed(&self, change: GripChange, by: f64) -> Self {
+impl GraspParameters {
+    fn changed(&self, change: DerivativeDirection, by: f64) -> Self {
         let mut grip = self.clone();
         match change {
-            GripChange::Force => grip.force.iter_mut().for_each(|force| *force *= 1.0 + by),
-            GripChange::Friction => grip.friction += by,
-            GripChange::Position(axis) => grip.pose.position += DVec3::AXES[axis] * by,
-            GripChange::Rotation(axis) => {
+            DerivativeDirection::Force => grip.force.iter_mut().for_each(|force| *force *= 1.0 + by),
+            DerivativeDirection::Friction => grip.friction += by,
+            DerivativeDirection::Position(axis) => grip.pose.position += DVec3::AXES[axis] * by,
+            DerivativeDirection::Rotation(axis) => {
                 grip.pose.rotation = DQuat::from_scaled_axis(DVec3::AXES[axis] * by) * grip.pose.rotation;
             }
         }
@@ -75,7 +75,7 @@ impl Grip {
 }
 
 /// Inputs of a grasp, and their derivatives; the latter have an additional first axis over the changes.
-pub type Slopes = [Vec<Array<f32>>; 2];
+pub type InputDerivatives = [Vec<Array<f32>>; 2];
 
 /// Scene prepared for the face network.
 #[derive(Debug)]
@@ -95,17 +95,17 @@ impl SceneInputs {
     /// range.
     pub fn new(scene: &Scene, model: &Path, extrapolate: bool) -> Result<Self> {
         let predictor = Predictor::open(model)?;
-        face_alone(&predictor.card, model)?;
+        require_face_network(&predictor.card, model)?;
         let extrapolate = extrapolate || scene.stepper.extrapolates();
         let model = Model::build(&scene.on_own_mesh())?;
-        let graph = predictor.admit(&model, extrapolate)?;
+        let graph = predictor.graph_if_in_range(&model, extrapolate)?;
         Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
     }
 
     /// Returns the force under each load of the scene, N, the sum over the fingers, and its coefficient of friction.
-    pub fn usual(&self) -> (Vec<f64>, f64) {
+    pub fn scene_forces_and_friction(&self) -> (Vec<f64>, f64) {
         let fingers = self.model.fingers.len() as f64;
-        (loads_of(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
+        (frame_loads(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
     }
 
     /// Returns the inputs shared by all grasps.
@@ -119,19 +119,28 @@ impl SceneInputs {
     ///
     /// # Errors
     /// Fails if it is interrupted.
-    pub fn grasps(&self, grips: &[Grip], changes: &[GripChange]) -> Result<Vec<Result<Slopes>>> {
-        let grasp = |environment: &mut Option<Environment>, grip: &Grip| {
+    pub fn grasps(
+        &self,
+        grips: &[GraspParameters],
+        changes: &[DerivativeDirection],
+    ) -> Result<Vec<Result<InputDerivatives>>> {
+        let grasp = |environment: &mut Option<Environment>, grip: &GraspParameters| {
             interrupt::check()?;
-            Ok(self.slopes(environment, grip, changes))
+            Ok(self.input_derivatives(environment, grip, changes))
         };
         grips.par_iter().map_init(|| None, grasp).collect()
     }
 
-    fn slopes(&self, environment: &mut Option<Environment>, grip: &Grip, changes: &[GripChange]) -> Result<Slopes> {
-        let model = self.admitted(grip)?;
+    fn input_derivatives(
+        &self,
+        environment: &mut Option<Environment>,
+        grip: &GraspParameters,
+        changes: &[DerivativeDirection],
+    ) -> Result<InputDerivatives> {
+        let model = self.checked_model(grip)?;
         let mut touches = |pose| GeometricContact::find_in(environment, &self.model, pose);
         let touch = touches(grip.pose)?;
-        let inputs = self.look(&touch, &model, grip);
+        let inputs = self.inputs_at_contact(&touch, &model, grip);
         let mut slopes: Vec<Array<f32>> = inputs.iter().map(|array| array.stack(changes.len())).collect();
         for change in changes {
             let step = self.step(grip, *change)?;
@@ -139,8 +148,8 @@ impl SceneInputs {
                 let changed = grip.changed(*change, by);
                 // Neither force nor friction changes the first contact.
                 Ok(match changed.pose == grip.pose {
-                    true => self.look(&touch, &model, &changed),
-                    false => self.look(&touches(changed.pose)?, &model, &changed),
+                    true => self.inputs_at_contact(&touch, &model, &changed),
+                    false => self.inputs_at_contact(&touches(changed.pose)?, &model, &changed),
                 })
             };
             let (before, after) = (beside(-step)?, beside(step)?);
@@ -153,7 +162,7 @@ impl SceneInputs {
     }
 
     /// Returns the model under the forces and the friction of `grip`.
-    fn admitted(&self, grip: &Grip) -> Result<Model> {
+    fn checked_model(&self, grip: &GraspParameters) -> Result<Model> {
         let (loads, given, fingers) = (self.model.levels.len(), grip.force.len(), self.model.fingers.len() as f64);
         let refused = |what: String| Err(Error::Start(what));
         if let Some(bad) = grip.force.iter().find(|force| !(force.is_finite() && **force > 0.0)) {
@@ -169,16 +178,16 @@ impl SceneInputs {
         }
         let levels = grip.force.iter().map(|force| force / fingers).collect();
         let model = self.model.under(&self.loading, levels, grip.friction);
-        self.predictor.card.range.admits(&model, &self.graph.hash, self.extrapolate)?;
+        self.predictor.card.range.check_model(&model, &self.graph.hash, self.extrapolate)?;
         Ok(model)
     }
 
     /// Returns the inputs of `grip` with first contact `touch`. The path of its equilibrium always ends at the largest
     /// force of `model`, even if that of `grip` differs.
-    fn look(&self, touch: &GeometricContact, model: &Model, grip: &Grip) -> Vec<Array<f32>> {
+    fn inputs_at_contact(&self, touch: &GeometricContact, model: &Model, grip: &GraspParameters) -> Vec<Array<f32>> {
         let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
         let features = GraspFeatures::new(&own, &self.graph, touch);
-        let (fingers, usual) = (own.fingers.len() as f64, loads_of(&own));
+        let (fingers, usual) = (own.fingers.len() as f64, frame_loads(&own));
         let squeezed = usual.into_iter().zip(&grip.force);
         let loads: Vec<_> = squeezed.map(|(load, force)| GraspLoad { force: force / fingers, ..load }).collect();
         grasp_inputs(&features, &features.loads(&loads), &self.predictor.card.normalisers)
@@ -191,21 +200,21 @@ impl SceneInputs {
     ///
     /// # Errors
     /// Fails for the derivative with respect to friction of a frictionless grasp.
-    fn step(&self, grip: &Grip, change: GripChange) -> Result<f64> {
+    fn step(&self, grip: &GraspParameters, change: DerivativeDirection) -> Result<f64> {
         let farthest = |finger: &FingerModel| {
             self.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
         };
         let scale = match change {
-            GripChange::Force => 1.0,
-            GripChange::Friction if grip.friction > 0.0 => grip.friction,
-            GripChange::Friction => {
+            DerivativeDirection::Force => 1.0,
+            DerivativeDirection::Friction if grip.friction > 0.0 => grip.friction,
+            DerivativeDirection::Friction => {
                 return Err(Error::Start(
                     "there is no derivative with respect to friction at a friction of 0; give a positive friction"
                         .into(),
                 ));
             }
-            GripChange::Position(_) => self.graph.thickness,
-            GripChange::Rotation(_) => {
+            DerivativeDirection::Position(_) => self.graph.thickness,
+            DerivativeDirection::Rotation(_) => {
                 self.graph.thickness / self.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
             }
         };
@@ -218,12 +227,12 @@ impl SceneInputs {
 /// # Errors
 /// Fails if the model cannot be read, and for a network of another kind.
 pub fn weights(model: &Path) -> Result<Vec<u8>> {
-    let trained = Trained::read(model)?;
-    face_alone(&trained.card, model)?;
+    let trained = StoredModel::read(model)?;
+    require_face_network(&trained.card, model)?;
     Ok(trained.weights.into_owned())
 }
 
-fn face_alone(card: &Card, model: &Path) -> Result<()> {
+fn require_face_network(card: &Card, model: &Path) -> Result<()> {
     match card.spec.network {
         NetworkSpec::Face(_) => Ok(()),
         NetworkSpec::Paper(_) => {

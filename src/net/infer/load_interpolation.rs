@@ -8,8 +8,8 @@
 //! fields are smoother in the load than the network: a dozen loads of fifty are as close to finite elements as all.
 
 use super::FaceEngine;
-use super::answer::{Answer, combined};
-use super::predict::{Predictor, Seen};
+use super::grasp_output::{GraspOutput, linear_combination};
+use super::predict::{EncodedGrasp, Predictor};
 use super::predicted_state::GraspState;
 use crate::linear_response::GraspLoad;
 use base::error::Result;
@@ -20,7 +20,7 @@ use record::ErrorBound;
 use std::ops::Range;
 
 /// Number of loads of a ramp, and of a push, that are decoded initially.
-const FEW: usize = 12;
+const INITIAL_LOADS: usize = 12;
 /// Largest ratio of the interpolation error of the displacement to the error predicted by the network: if both are
 /// independent, their combination is 2 % larger than the latter, sqrt(1.02^2 - 1).
 const LARGEST_ERROR_RATIO: f64 = 0.2;
@@ -30,10 +30,10 @@ const ERROR_REDUCTION: f64 = 2.0;
 
 /// States of a grasp under increasing loads.
 #[derive(Debug)]
-pub struct Ramp {
+pub struct LoadInterpolation {
     /// Ranges of loads within which a polynomial may be used.
     pieces: Vec<Piece>,
-    answers: Vec<Answer>,
+    answers: Vec<GraspOutput>,
 }
 
 /// Range of loads: of a squeeze before or after the release of the object, or of a push under one squeeze.
@@ -44,32 +44,32 @@ struct Piece {
     /// a push.
     along: Vec<f64>,
     /// Decoded loads in ascending order: (load, answer, level in it).
-    known: Vec<(usize, usize, usize)>,
+    decoded: Vec<(usize, usize, usize)>,
 }
 
-impl Ramp {
+impl LoadInterpolation {
     /// Returns the number of loads of a grasp of `model` that are decoded initially.
-    pub fn decoded_at_first(model: &Model, loads: &[GraspLoad]) -> usize {
-        Self::of(model, loads).missing_at_first().len()
+    pub fn initial_load_count(model: &Model, loads: &[GraspLoad]) -> usize {
+        Self::of(model, loads).initial_loads().len()
     }
 
     /// Decodes as many of `loads` as a grasp requires.
     ///
     /// # Errors
     /// Fails if predicted numbers are not finite.
-    pub fn new(predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
-        Self::many(predictor, &[seen], loads).swap_remove(0)
+    pub fn new(predictor: &Predictor, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
+        Self::decode_batch(predictor, &[encoded], loads).swap_remove(0)
     }
 
     /// Decodes as many of `loads` as each of `grasps` requires, all of one model. The initial loads are decoded for all
     /// grasps together. A grasp fails if its predicted numbers are not finite.
-    pub fn many(predictor: &Predictor, grasps: &[&Seen], loads: &[GraspLoad]) -> Vec<Result<Self>> {
-        let Some(model) = grasps.first().map(|seen| seen.model()) else { return Vec::new() };
-        let first = Self::of(model, loads).missing_at_first();
+    pub fn decode_batch(predictor: &Predictor, grasps: &[&EncodedGrasp], loads: &[GraspLoad]) -> Vec<Result<Self>> {
+        let Some(model) = grasps.first().map(|encoded| encoded.model()) else { return Vec::new() };
+        let first = Self::of(model, loads).initial_loads();
         let mut ramps: Vec<Result<Self>> = grasps.iter().map(|_| Ok(Self::of(model, loads))).collect();
-        for some in first.chunks(FaceEngine::LOADS) {
+        for some in first.chunks(FaceEngine::LOADS_PER_BATCH) {
             let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
-            for (ramp, answer) in ramps.iter_mut().zip(predictor.answers(grasps, &given)) {
+            for (ramp, answer) in ramps.iter_mut().zip(predictor.decode_batch(grasps, &given)) {
                 match (ramp.as_mut(), answer) {
                     (Ok(ramp), Ok(answer)) => ramp.add(some, answer),
                     (_, Err(error)) => *ramp = Err(error),
@@ -77,7 +77,7 @@ impl Ramp {
                 }
             }
         }
-        let goes_on = |(ramp, seen): (Result<Self>, &&Seen)| ramp?.refined(predictor, seen, loads);
+        let goes_on = |(ramp, encoded): (Result<Self>, &&EncodedGrasp)| ramp?.refined(predictor, encoded, loads);
         ramps.into_iter().zip(grasps).map(goes_on).collect()
     }
 
@@ -87,31 +87,31 @@ impl Ramp {
     }
 
     /// Returns the loads that are decoded initially.
-    fn missing_at_first(&self) -> Vec<usize> {
+    fn initial_loads(&self) -> Vec<usize> {
         self.pieces.iter().flat_map(|piece| evenly(&piece.loads, &piece.along)).collect()
     }
 
     /// Decodes more loads until interpolation is accurate enough for the others.
-    fn refined(mut self, predictor: &Predictor, seen: &Seen, loads: &[GraspLoad]) -> Result<Self> {
+    fn refined(mut self, predictor: &Predictor, encoded: &EncodedGrasp, loads: &[GraspLoad]) -> Result<Self> {
         loop {
-            self.pieces.iter_mut().for_each(|piece| piece.known.sort_unstable());
+            self.pieces.iter_mut().for_each(|piece| piece.decoded.sort_unstable());
             let missing: Vec<usize> = self.pieces.iter().flat_map(|piece| self.missing(piece)).collect();
             if missing.is_empty() {
                 return Ok(self);
             }
-            for some in missing.chunks(FaceEngine::LOADS) {
+            for some in missing.chunks(FaceEngine::LOADS_PER_BATCH) {
                 let given: Vec<GraspLoad> = some.iter().map(|load| loads[*load]).collect();
-                self.add(some, predictor.answer(seen, &given)?);
+                self.add(some, predictor.decode(encoded, &given)?);
             }
         }
     }
 
     /// Adds the answer under the loads with the indices `some`.
-    fn add(&mut self, some: &[usize], answer: Answer) {
+    fn add(&mut self, some: &[usize], answer: GraspOutput) {
         self.answers.push(answer);
         for (level, load) in some.iter().enumerate() {
             let piece = self.pieces.iter_mut().find(|piece| piece.loads.contains(load));
-            piece.into_iter().for_each(|piece| piece.known.push((*load, self.answers.len() - 1, level)));
+            piece.into_iter().for_each(|piece| piece.decoded.push((*load, self.answers.len() - 1, level)));
         }
     }
 
@@ -127,13 +127,13 @@ impl Ramp {
 
     /// Returns the number of decoded loads.
     pub fn decoded(&self) -> usize {
-        self.pieces.iter().map(|piece| piece.known.len()).sum()
+        self.pieces.iter().map(|piece| piece.decoded.len()).sum()
     }
 
     /// Returns the state under the load with index `load`; None after the last.
     pub fn at(&self, load: usize) -> Option<GraspState> {
         let piece = self.pieces.iter().find(|piece| piece.loads.contains(&load))?;
-        Some(combined(&self.parts(piece, &piece.known, load)))
+        Some(linear_combination(&self.parts(piece, &piece.decoded, load)))
     }
 
     /// Returns the largest upper ends of the prediction intervals (90 %) over all decoded states.
@@ -143,7 +143,7 @@ impl Ramp {
     }
 
     /// Returns the decoded states among `known`, with weights, whose combination is the state of `load`.
-    fn parts(&self, piece: &Piece, known: &[(usize, usize, usize)], load: usize) -> Vec<(&Answer, usize, f64)> {
+    fn parts(&self, piece: &Piece, known: &[(usize, usize, usize)], load: usize) -> Vec<(&GraspOutput, usize, f64)> {
         let along = |load: usize| piece.along[load - piece.loads.start];
         let nodes: Vec<f64> = known.iter().map(|(load, ..)| along(*load)).collect();
         let weights = hermite(&nodes, along(load)).into_iter();
@@ -152,7 +152,7 @@ impl Ramp {
 
     /// Returns the loads to decode next: midpoints of intervals in which interpolation is not accurate enough.
     fn missing(&self, piece: &Piece) -> Vec<usize> {
-        let Piece { known, .. } = piece;
+        let Piece { decoded: known, .. } = piece;
         let mut missing = Vec::new();
         for k in 1..known.len().saturating_sub(1) {
             let (load, answer, level) = known[k];
@@ -184,7 +184,7 @@ fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece>
     let rising = loads[..start].windows(2).all(|pair| pair[0].force < pair[1].force);
     let free = loads[..start].iter().position(|load| !holds(load)).unwrap_or(start);
     let along = |i: usize| if i < start { loads[i].force.sqrt() } else { (1 + i - start) as f64 };
-    let piece = |loads: Range<usize>| Piece { along: loads.clone().map(along).collect(), loads, known: Vec::new() };
+    let piece = |loads: Range<usize>| Piece { along: loads.clone().map(along).collect(), loads, decoded: Vec::new() };
     // Loads that do not increase monotonically are not interpolated.
     let squeeze: Vec<Range<usize>> = match rising {
         true => vec![0..free, free..start],
@@ -194,20 +194,21 @@ fn pieces(loads: &[GraspLoad], holds: impl Fn(&GraspLoad) -> bool) -> Vec<Piece>
     all.filter(|range| !range.is_empty()).map(piece).collect()
 }
 
-/// Returns at most [`FEW`] indices of a range, evenly spaced along its coordinate, including the first and the last.
+/// Returns at most [`INITIAL_LOADS`] indices of a range, evenly spaced along its coordinate, including the first and
+/// the last.
 fn evenly(range: &Range<usize>, along: &[f64]) -> Vec<usize> {
     let last = along.len() - 1;
-    if last < FEW {
+    if last < INITIAL_LOADS {
         return range.clone().collect();
     }
-    let wanted = |k: usize| along[0] + (along[last] - along[0]) * k as f64 / (FEW - 1) as f64;
-    let mut few: Vec<usize> = (0..FEW).map(|k| along.partition_point(|x| *x < wanted(k)).min(last)).collect();
+    let wanted = |k: usize| along[0] + (along[last] - along[0]) * k as f64 / (INITIAL_LOADS - 1) as f64;
+    let mut few: Vec<usize> = (0..INITIAL_LOADS).map(|k| along.partition_point(|x| *x < wanted(k)).min(last)).collect();
     few.dedup();
     few.into_iter().map(|k| range.start + k).collect()
 }
 
 /// Returns the displacement of the face nodes of all pads in a linear combination of states, m.
-fn displacement(parts: &[(&Answer, usize, f64)]) -> Vec<DVec3> {
+fn displacement(parts: &[(&GraspOutput, usize, f64)]) -> Vec<DVec3> {
     let mut sum: Vec<DVec3> = Vec::new();
     for (answer, level, weight) in parts {
         let own = answer.face_displacement(*level);
