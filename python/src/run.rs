@@ -106,7 +106,7 @@ pub fn run<'py>(
     let grasps = grasps.map(|((_, pose), frames)| grasp(py, &simulation.model, &pose.row(), &frames));
     Ok((
         simulated.report.to_json().map_err(refused)?,
-        simulated.good(),
+        simulated.succeeded(),
         simulation.notices,
         simulated.wall_s,
         pads(py, &simulation.model)?,

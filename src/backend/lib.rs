@@ -1,8 +1,8 @@
 //! Backends: finite elements and a trained network implement the same stage of the schedule. Only this module depends
 //! on both.
 
+pub mod fallback;
 pub mod fem;
-pub mod hand_over;
 pub mod network;
 pub mod simulate;
 
@@ -19,7 +19,7 @@ pub fn choose(scene: &scene::Scene) -> Result<Box<dyn Stepper>> {
         scene::StepperChoice::Gnn(gnn) => {
             let network = network::NetworkStepper::open(&gnn.model)?.extrapolating(gnn.extrapolate);
             Ok(match gnn.error_at_most {
-                Some(most) => Box::new(hand_over::GuardedNetwork::new(network, most.get())),
+                Some(most) => Box::new(fallback::NetworkWithFallback::new(network, most.get())),
                 None => Box::new(network),
             })
         }

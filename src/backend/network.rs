@@ -55,7 +55,7 @@ impl NetworkStepper {
 
     /// Returns the reason why the force of a frame of `model` is outside the training range; None if all are inside, or
     /// if the backend extrapolates.
-    pub fn refuses(&self, model: &Model) -> Option<String> {
+    pub fn reason_outside_range(&self, model: &Model) -> Option<String> {
         self.predictor.card.range.forces_outside(model).filter(|_| !self.extrapolate)
     }
 
@@ -66,14 +66,14 @@ impl NetworkStepper {
     /// # Errors
     /// Fails if the world is not prepared for the network, the fingers do not reach the object, or a predicted number
     /// is not finite.
-    pub fn foresee(&self, world: &mut World) -> Result<f64> {
+    pub fn predict_all_loads(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
         let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let pose = world.get_resource::<GraspPose>().ok_or_else(missing)?.0;
         let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
-        prediction.look(&model, contact);
-        Ok(prediction.foresee()?.map_or(f64::INFINITY, |error| error.displacement))
+        prediction.encode(&model, contact);
+        Ok(prediction.predict_all_loads()?.map_or(f64::INFINITY, |error| error.displacement))
     }
 
     /// Removes the resources of the network from `world`, for a grasp that falls back to finite elements.
@@ -124,7 +124,7 @@ impl Stepper for NetworkStepper {
             grasp: None,
             state: None,
             ahead: None,
-            ladder: OnceLock::new(),
+            interpolation: OnceLock::new(),
         });
         Ok(())
     }
@@ -145,11 +145,11 @@ impl Stepper for NetworkStepper {
         let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         if let Some(contact) = history.read::<Option<GeometricContact>>()? {
-            prediction.look(&model, contact);
+            prediction.encode(&model, contact);
         }
         let ahead: bool = history.read()?;
         if ahead && prediction.ahead.is_none() {
-            prediction.foresee()?;
+            prediction.predict_all_loads()?;
         }
         Ok(())
     }
@@ -170,22 +170,22 @@ pub struct Prediction {
     /// States of the predictable frames, if their loads are known in advance.
     ahead: Option<LoadInterpolation>,
     /// States at any load, for an agent; None if one of the sampled loads cannot be predicted.
-    ladder: OnceLock<Option<ForceInterpolation>>,
+    interpolation: OnceLock<Option<ForceInterpolation>>,
 }
 
 impl Prediction {
     /// Encodes the grasp at first contact, unless this contact is encoded already.
-    fn look(&mut self, model: &Arc<Model>, contact: GeometricContact) {
+    fn encode(&mut self, model: &Arc<Model>, contact: GeometricContact) {
         if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
             return;
         }
         let seen = self.predictor.encode_first_contact(model, &self.graph, &contact).without_unneeded_stress();
         self.grasp = Some((contact, seen));
-        (self.ahead, self.ladder) = (None, OnceLock::new());
+        (self.ahead, self.interpolation) = (None, OnceLock::new());
     }
 
     /// Decodes the frames of an encoded grasp. Returns the largest of their errors; None if no grasp is encoded.
-    fn foresee(&mut self) -> Result<Option<ErrorBound>> {
+    fn predict_all_loads(&mut self) -> Result<Option<ErrorBound>> {
         let Some((_, seen)) = &self.grasp else { return Ok(None) };
         let ramp = LoadInterpolation::new(&self.predictor, seen, &self.loads)?;
         Ok(Some(self.ahead.insert(ramp).error()))
@@ -203,11 +203,12 @@ impl Prediction {
 
 /// Adds the systems to their sets, except those for quantities that the scene does not need.
 fn register(schedule: &mut Schedule, needs: &Needs) {
-    schedule.add_systems(look.run_if(computes_frame).after(close_to_contact).in_set(StepSet::Sense));
+    schedule.add_systems(encode_grasp.run_if(computes_frame).after(close_to_contact).in_set(StepSet::Sense));
     schedule.add_systems((predict, write_state).chain().run_if(computes_frame).in_set(StepSet::Advance));
     if needs.task {
-        schedule
-            .add_systems(carry_load.run_if(computes_frame).after(predict).before(write_state).in_set(StepSet::Advance));
+        schedule.add_systems(
+            distribute_load.run_if(computes_frame).after(predict).before(write_state).in_set(StepSet::Advance),
+        );
     }
     if needs.shape {
         schedule.add_systems(measure_shape.run_if(reached).in_set(StepSet::Measure));
@@ -221,7 +222,7 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
 }
 
 /// Encodes the grasp once, at first contact, while travel and pose are still those of `close_to_contact`.
-fn look(
+fn encode_grasp(
     phase: Res<Phase>,
     shared: Res<SharedModel>,
     mut prediction: ResMut<Prediction>,
@@ -235,7 +236,7 @@ fn look(
     let clock = Instant::now();
     let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
     let contact = GeometricContact::new(&shared.0, pose.0, &travel);
-    prediction.look(&shared.0, contact);
+    prediction.encode(&shared.0, contact);
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -267,10 +268,10 @@ fn predict(
         }
         if after == 0 && prediction.ahead.is_none() {
             // If one of the loads cannot be predicted, the loads before it are predicted one by one below.
-            let _ = prediction.foresee();
+            let _ = prediction.predict_all_loads();
         }
     }
-    let Prediction { predictor, grasp, ahead, ladder, frames, .. } = &mut *prediction;
+    let Prediction { predictor, grasp, ahead, interpolation, frames, .. } = &mut *prediction;
     let push = shared.0.push.as_ref().map(|push| push.at(load.push)).unwrap_or_default();
     let applied = GraspLoad { force: load.level, push };
     let asked = match grasp {
@@ -281,12 +282,12 @@ fn predict(
         }
         Some((_, seen)) => {
             let push = weight.map(|weight| weight.0).filter(|_| predictor.supports_pushes()).unwrap_or_default();
-            let known = ladder
+            let known = interpolation
                 .get_or_init(|| {
                     ForceInterpolation::new(predictor, seen, shared.0.levels[0], *shared.0.levels.last()?).ok()
                 })
                 .as_ref()
-                .and_then(|ladder| ladder.at(load.level, push));
+                .and_then(|interpolation| interpolation.at(load.level, push));
             let push = Wrench { force: push, ..Wrench::ZERO };
             known.map_or_else(|| predictor.at(seen, GraspLoad { force: load.level, push }), Ok)
         }
@@ -313,7 +314,7 @@ fn predict(
 
 /// Distributes a load on the object evenly over the pads, and over the nodes of a pad in proportion to the pressure,
 /// for a network trained without pushes.
-fn carry_load(mut prediction: ResMut<Prediction>, shared: Res<SharedModel>, weight: Single<&ObjectWeight>) {
+fn distribute_load(mut prediction: ResMut<Prediction>, shared: Res<SharedModel>, weight: Single<&ObjectWeight>) {
     if prediction.predictor.supports_pushes() {
         return;
     }
@@ -361,7 +362,7 @@ fn write_state(
 
 /// Lower bound of the search radius of the distance query, m. Once a node is inside, only nodes this close can have the
 /// smallest gap.
-const NEAR: f64 = 1e-9;
+const SMALLEST_SEARCH_RADIUS: f64 = 1e-9;
 
 /// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
@@ -384,7 +385,7 @@ fn measure_shape(
         let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
             let at = inverse * (own[*node as usize] + *carried - object.0.position);
             // Nodes farther away than the smallest gap so far need no distance.
-            let closer = model.object.distance.closest(at, least.max(NEAR));
+            let closer = model.object.distance.closest(at, least.max(SMALLEST_SEARCH_RADIUS));
             closer.map_or(least, |c| least.min(c.distance))
         });
         (model.fingers[*finger].body.min_det_f(own), gap)

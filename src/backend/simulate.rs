@@ -38,11 +38,11 @@ pub struct Simulation {
 
 /// Simulated grasps.
 #[derive(Debug)]
-pub struct Simulated {
+pub struct SimulationResult {
     /// Outcomes in the order of the grasps.
     pub outcomes: Vec<Outcome>,
     /// Verdicts on the expectations of the scene.
-    pub held: Vec<Verdict>,
+    pub verdicts: Vec<Verdict>,
     /// Content of `run.json`.
     pub report: RunReport,
     /// Wall time of all grasps together, s.
@@ -108,7 +108,7 @@ impl Simulation {
     ///
     /// # Errors
     /// Fails as [`run_grasps`] does, and if a file cannot be written.
-    pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<Simulated> {
+    pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<SimulationResult> {
         if sense {
             self.scene.gripper.needs_alike("a sensitivity")?;
         }
@@ -129,8 +129,8 @@ impl Simulation {
             recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));
         }
         let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
-        let held: Vec<Verdict> = self.scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
-        let (expectations, profile) = (held.iter().map(as_report).collect(), profile(&outcomes));
+        let verdicts: Vec<Verdict> = self.scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
+        let (expectations, profile) = (verdicts.iter().map(as_report).collect(), profile(&outcomes));
         let report = match recorder {
             Some(recorder) => recorder.finish(expectations, profile)?,
             None => {
@@ -140,7 +140,7 @@ impl Simulation {
                 report
             }
         };
-        Ok(Simulated { outcomes, held, report, wall_s })
+        Ok(SimulationResult { outcomes, verdicts, report, wall_s })
     }
 
     /// Returns the report of a run that has not begun.
@@ -156,12 +156,12 @@ impl Simulation {
     }
 }
 
-impl Simulated {
+impl SimulationResult {
     /// Returns true if all expectations of the scene are met or, if it has none, if all grasps reached their load.
-    pub fn good(&self) -> bool {
-        match self.held.is_empty() {
+    pub fn succeeded(&self) -> bool {
+        match self.verdicts.is_empty() {
             true => self.outcomes.iter().all(|o| o.summary.status == Status::Reached),
-            false => self.held.iter().all(|h| h.held),
+            false => self.verdicts.iter().all(|h| h.held),
         }
     }
 }

@@ -31,7 +31,7 @@ pub const CONTACT_STIFFNESS: f64 = 80.0;
 pub const CONTACT_FORCE: f64 = 0.02;
 /// Friction limit that counts as zero, over the pressure that closes the whole offset. Above rounding, below any
 /// reported force.
-pub const NO_FRICTION: f64 = 4e-6;
+pub const NEGLIGIBLE_FRICTION: f64 = 4e-6;
 
 // Newton's method and paths; in contact offsets.
 
@@ -50,19 +50,19 @@ pub const FIRST_PSEUDO_STEP: f64 = 20.0;
 pub const LARGEST_PSEUDO_STEP: f64 = 100.0;
 /// Motion while a finger has no contact after which the object counts as having left the grasp: more than one step of a
 /// pseudo-transient continuation.
-pub const GONE: f64 = 100.0;
+pub const LOST_CONTACT_MOTION: f64 = 100.0;
 /// Motion at which a released object counts as dropped: more than the pad thickness. `scenes/torture/heavy_object.ron`.
 pub const DROP_DISTANCE: f64 = 1000.0;
 /// Largest predicted motion in a time step that needs no conservative advancement: an eighth of the pad thickness, so
 /// that a pad cannot pass through an object.
-pub const SAFE_MOTION: f64 = 50.0;
+pub const LARGEST_PREDICTED_MOTION: f64 = 50.0;
 /// Penetration into the stop at the end of the stroke under the rated force.
 pub const STOP_PENETRATION: f64 = 1.0;
 
 // Condensed pads; in contact offsets.
 
 /// Depth of the object in the pads for which the patches at first contact are chosen.
-pub const FIRST_DEPTH: f64 = 15.0;
+pub const FIRST_PATCH_PENETRATION: f64 = 15.0;
 /// Distance beyond the range of contact up to which nodes belong to a patch: more than the fingers travel between two
 /// frames, less than would make the patch large.
 pub const PATCH_MARGIN: f64 = 6.0;
@@ -85,9 +85,10 @@ pub const EDGE_CUT: f64 = 0.2;
 /// vertex.
 pub const VERTEX_MOVE_PENETRATION: [f64; 2] = [0.4, 0.5];
 /// Penetration of the object at a sub-face sample of the pad above which the sample becomes active.
-pub const MIDDLE_CUT: f64 = 0.2;
+pub const SUB_FACE_PENETRATION: f64 = 0.2;
 
-// Closest points; in contact offsets. Search radii; only the tolerances `FACE_HYSTERESIS`, `DEEPEST_LENGTH` affect results.
+// Closest points; in contact offsets. Search radii; only the tolerances `FACE_HYSTERESIS` and
+// `DEEPEST_POINT_TOLERANCE` affect results.
 
 /// Distance within which the exact gap is computed: farther points are skipped until they may have come this close.
 pub const EXACT_GAP_RADIUS: f64 = 50.0;
@@ -104,7 +105,7 @@ pub const VERTEX_LIST_RADIUS: f64 = 150.0;
 /// Upper bound of the penetration in states near equilibrium.
 pub const LARGEST_PENETRATION: f64 = 10.0;
 /// Length to which the deepest point of an edge is located.
-pub const DEEPEST_LENGTH: f64 = 2.0;
+pub const DEEPEST_POINT_TOLERANCE: f64 = 2.0;
 /// Distance by which the curved faces of two pads may protrude beyond their nodes.
 pub const FACE_BULGE: f64 = 10.0;
 /// Distance from a face that counts as rounding, over the length of an edge of the face.

@@ -171,8 +171,9 @@ pub fn mark_dominated(points: &mut [Point]) {
 
 impl Point {
     fn new(entry: &BenchEntry) -> Self {
-        let spread =
-            |(name, pick): &NamedQuantity| Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s));
+        let spread = |(name, pick): &NamedQuantity| {
+            Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
+        };
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
         let whole: f64 = entry.stages.values().sum();

@@ -178,7 +178,7 @@ fn run_object(
         Format::Json => simulated.report.to_json().map_err(Error::Solver)?,
         Format::Text => table::render(scene, &simulation.grasps, &simulated),
     };
-    let good = simulated.good();
+    let good = simulated.succeeded();
     if last {
         std::mem::forget((simulation, simulated));
     }

@@ -1,9 +1,9 @@
 //! Text report of a run.
 
-use backend::simulate::Simulated;
+use backend::simulate::SimulationResult;
 use base::number::shown;
 use geometry::Pose;
-use mech::path::continuation::Methods;
+use mech::path::continuation::MethodCounts;
 use model::judge::Verdict;
 use record::RunReport;
 use scene::{Expectation, Scene, StepperChoice};
@@ -11,8 +11,8 @@ use std::fmt::Write;
 use world::run::Outcome;
 
 /// Renders the heading, a row per grasp, the expectations and the profile.
-pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &Simulated) -> String {
-    let Simulated { outcomes, held, report, wall_s } = simulated;
+pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &SimulationResult) -> String {
+    let SimulationResult { outcomes, verdicts, report, wall_s } = simulated;
     let mut out = String::new();
     // Writing to a String cannot fail, so the results below are ignored.
     if !scene.about.is_empty() {
@@ -32,12 +32,12 @@ pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &Simulated) ->
         plural(report.pads.len()),
     );
     rows(&mut out, grasps, outcomes);
-    if !held.is_empty() {
+    if !verdicts.is_empty() {
         out.push('\n');
         if let StepperChoice::Gnn(_) = scene.stepper {
             let _ = writeln!(out, "expectations from {}:", scene.promised_in());
         }
-        scene.promises().iter().zip(held).for_each(|(e, h)| expectation(&mut out, e, h));
+        scene.promises().iter().zip(verdicts).for_each(|(e, h)| expectation(&mut out, e, h));
     }
     profile(&mut out, outcomes, report, *wall_s);
     out
@@ -113,9 +113,9 @@ fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64
     stages.sort_by(|a, b| b.1.total_cmp(a.1));
     let shares: Vec<_> = stages.iter().map(|(name, s)| format!("{name} {:.0} %", 100.0 * **s / total)).collect();
     let _ = writeln!(out, "\n{wall:.2} s wall, {iterations} Newton iterations: {}", shares.join(", "));
-    let mut methods = Methods::default();
+    let mut methods = MethodCounts::default();
     outcomes.iter().for_each(|o| methods += o.timings.methods);
-    if methods != Methods::default() {
+    if methods != MethodCounts::default() {
         let _ = writeln!(out, "{methods}");
     }
     let stage = |name: &str| report.profile_s.get(name).copied().unwrap_or(0.0);

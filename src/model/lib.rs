@@ -32,7 +32,7 @@ use geometry::Aabb;
 use geometry::shape::Shape;
 use glam::DVec3;
 use mech::body::locking::locking_notice;
-use mech::contact::Feature;
+use mech::contact::ContactVertex;
 use mech::material::Material;
 use pads::MeshedPads;
 use record::{PadReport, pad_name};
@@ -51,7 +51,7 @@ pub struct Model {
     pub free: bool,
     /// Contact vertices of the object, which may touch the pads between the pads' samples: vertices and points along
     /// sharp edges.
-    pub features: Arc<[Feature]>,
+    pub features: Arc<[ContactVertex]>,
     /// Fingers, left first.
     pub fingers: Vec<FingerModel>,
     /// Gap at which contact begins, m.

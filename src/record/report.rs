@@ -7,7 +7,7 @@ pub use super::status::Status;
 use base::error::{Error, Result};
 use base::files::atomic::write_atomic;
 use base::machine::machine;
-use mech::path::continuation::Methods;
+use mech::path::continuation::MethodCounts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -37,7 +37,7 @@ pub struct GraspSummary {
     pub newton_iterations: u64,
     /// Counts of how often each method of the continuation was used.
     #[serde(default)]
-    pub methods: Methods,
+    pub methods: MethodCounts,
     /// Wall time of the grasp, s.
     pub wall_s: f64,
     /// Error of the last frame as estimated by the network; None for frames computed by finite elements.
@@ -65,7 +65,7 @@ impl GraspSummary {
             min_gap_m: None,
             force_balance: None,
             newton_iterations: 0,
-            methods: Methods::default(),
+            methods: MethodCounts::default(),
             wall_s: 0.0,
             error: None,
             handed_over: None,

@@ -12,7 +12,7 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use geometry::{Pose, Wrench};
-use mech::path::continuation::Methods;
+use mech::path::continuation::MethodCounts;
 use model::Model;
 use record::{ErrorBound, Frame};
 use serde::{Deserialize, Serialize};
@@ -193,7 +193,7 @@ pub struct Timings {
     /// Newton iterations, those of rejected increments included.
     pub iterations: u64,
     /// Counts of how often each method of the continuation was used.
-    pub methods: Methods,
+    pub methods: MethodCounts,
 }
 
 /// Reason why this grasp fell back from the network to finite elements.

@@ -73,7 +73,11 @@ fn unfit_tetrahedra() {
 fn gmsh_files() {
     let v2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
     let v4 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
-    refused("a.msh", "$MeshFormat\n4.1 1 8\n", &["the file ends where the 1 that indicates the byte order should follow"]);
+    refused(
+        "a.msh",
+        "$MeshFormat\n4.1 1 8\n",
+        &["the file ends where the 1 that indicates the byte order should follow"],
+    );
     refused("b.msh", "$MeshFormat\n3.0 0 8\n", &["line 2, column 1: gmsh format `3.0`; allowed: 2.2, 4.0 or 4.1"]);
     refused("c.msh", "$Nodes\n1\n", &["line 1, column 1: ", "must come first"]);
     let huge = format!("{v2}$Nodes\n99999999999\n");

@@ -27,7 +27,7 @@ fn half() -> f64 {
             env.reset(None, None).unwrap();
             let Some(running) = env.environment(0) else { panic!("an episode without a feasible start") };
             let mut alone = Environment::new(&running.model().clone(), &network, running.pose()).unwrap();
-            network.foresee(alone.world_mut()).unwrap()
+            network.predict_all_loads(alone.world_mut()).unwrap()
         })
         .collect();
     errors.sort_by(f64::total_cmp);

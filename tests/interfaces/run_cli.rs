@@ -41,7 +41,9 @@ fn exit_codes_say_whether_expectations_held() {
     assert_eq!(code("expect: [Travel(at_most: 1e-6)]"), Some(1));
     assert_eq!(code("grasps: List([(position: (0, 0.2, -0.1))])"), Some(1), "no expectation, and a grasp that misses");
     assert_eq!(
-        code("grasps: List([(position: (0, 0.2, -0.1))]), expect: [Infeasible(contains: \"does not touch the object\")]"),
+        code(
+            "grasps: List([(position: (0, 0.2, -0.1))]), expect: [Infeasible(contains: \"does not touch the object\")]"
+        ),
         Some(0)
     );
     assert_eq!(code("stepper: Gnn(model: \"m\")"), Some(2));

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use tactus::geometry::mesh::{TetMesh, grid};
 use tactus::geometry::shape::{Ridge, RidgeSection};
 use tactus::mech::body::Body;
+use tactus::mech::contact::face_bounds::FaceBounds;
 use tactus::mech::contact::law::ContactLaw;
-use tactus::mech::contact::project::FaceBounds;
-use tactus::mech::contact::{ContactSurface, Feature, FeatureContact};
+use tactus::mech::contact::{ContactSurface, ContactVertex, VertexContact};
 use tactus::mech::material::NeoHookean;
 use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::state::{RigidUnknowns, State};
@@ -67,12 +67,12 @@ fn distance_to_a_folded_pad_changes_no_faster_than_the_point_moves() {
 /// with the vertex at each of `others`.
 fn press(body: &Body, x: &[DVec3], y: DVec3, others: &[DVec3]) -> (DVec3, Vec<f64>) {
     let law = ContactLaw { stiffness: 1.0, offset: 0.05, friction: 0.0, tangential: 1.0 };
-    let features = Arc::from([Feature { position: DVec3::ZERO, sharp: true, along: None }]);
-    let mut term = FeatureContact::new(law, Arc::new(ContactSurface::new(body)), features);
+    let features = Arc::from([ContactVertex { position: DVec3::ZERO, sharp: true, segment: None }]);
+    let mut term = VertexContact::new(law, Arc::new(ContactSurface::new(body)), features);
     let rigid = RigidUnknowns::new(vec![DVec3::Z], false, true, 1.0);
     let at = |position| State { x: vec![x.to_vec()], travel: vec![0.0], position, rotation: DQuat::IDENTITY };
     let (state, mut block) = (at(y), BodyBlock::new(body, rigid.size));
-    term.assemble(body, &state.view(0, &rigid), Assembly::WHOLE, &mut block);
+    term.assemble(body, &state.view(0, &rigid), Assembly::COMPLETE, &mut block);
     let energies = others.iter().map(|y| term.energy(body, &at(*y).view(0, &rigid))).collect();
     (-DVec3::from_slice(&block.rigid.gradient[..3]), energies)
 }
@@ -129,14 +129,14 @@ fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
         let stretch = RidgeSection { ridge, from: 0.0, to: 1.0 };
         let law = ContactLaw { stiffness: 1.0, offset, friction: 0.0, tangential: 1.0 };
         let surface = Arc::new(ContactSurface::new(&body));
-        let mut term = FeatureContact::new(law, surface, Arc::from([Feature::along(stretch)]));
+        let mut term = VertexContact::new(law, surface, Arc::from([ContactVertex::on_segment(stretch)]));
         let rigid = RigidUnknowns::new(vec![DVec3::Z], false, true, 1.0);
         let state = State { x: vec![x.clone()], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
         let view = state.view(0, &rigid);
         let mut block = BodyBlock::new(&body, rigid.size);
-        term.assemble(&body, &view, Assembly::WHOLE, &mut block);
-        assert!(!term.satisfied(&body, &view), "the edge is in the pad");
-        term.assemble(&body, &view, Assembly::WHOLE, &mut block);
+        term.assemble(&body, &view, Assembly::COMPLETE, &mut block);
+        assert!(!term.enforce_constraints(&body, &view), "the edge is in the pad");
+        term.assemble(&body, &view, Assembly::COMPLETE, &mut block);
         let gap = term.edge(0).gap;
         assert!(
             (gap + 5.0 * offset / f64::hypot(1.0, 0.6)).abs() < 1.2 * offset,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tactus::geometry::mesh::{TetMesh, grid};
 use tactus::mech::body::Body;
 use tactus::mech::contact::ContactSurface;
-use tactus::mech::contact::project::{ClosestPoint, FaceBounds};
+use tactus::mech::contact::face_bounds::{ClosestPoint, FaceBounds};
 use tactus::mech::contact::surface::face_frame;
 use tactus::mech::material::NeoHookean;
 

@@ -13,17 +13,17 @@ use tactus::geometry::shape::{MassProperties, SignedDistance};
 use tactus::mech::body::{Body, Elements};
 use tactus::mech::contact::law::ContactLaw;
 use tactus::mech::contact::surface::{SurfaceFace, face_frame};
-use tactus::mech::contact::{ContactSurface, EdgeState, Feature, FeatureContact, GroundContact, PointContact};
+use tactus::mech::contact::{ContactSurface, ContactVertex, EdgeState, GroundContact, PointContact, VertexContact};
 use tactus::mech::element::{Kernel, RestTet, ShapeFunctions, Stiffness, TET4, TET10};
 use tactus::mech::material::{Dilatation, FixedCorotated, Linear, Material, NeoHookean, Tangent};
 use tactus::mech::potential::block::BodyBlock;
-use tactus::mech::potential::dead_force::DeadForce;
 use tactus::mech::potential::drive::Drive;
 use tactus::mech::potential::inversion_barrier::inversion_barrier;
 use tactus::mech::potential::pad_inertia::PadInertia;
+use tactus::mech::potential::point_load::PointLoad;
 use tactus::mech::potential::rigid_inertia::RigidInertia;
-use tactus::mech::potential::state::{BodyView, Departure, MAX_RIGID, NewtonStep, RigidUnknowns, State};
-use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy, ObjectTerm, Stencil};
+use tactus::mech::potential::state::{BodyView, IncrementStart, MAX_RIGID, NewtonStep, RigidUnknowns, State};
+use tactus::mech::potential::term::{Assembly, BodyTerm, ElasticEnergy, NodalLoads, ObjectTerm, Stencil};
 use tactus::mech::potential::time_step::TimeStep;
 use tactus::mech::potential::viscosity::Viscosity;
 
@@ -271,11 +271,11 @@ impl Scene {
     }
 
     /// Returns the state as the start of an increment, over the time step `step` if there is one.
-    fn departure(&self, step: Option<TimeStep>) -> Departure {
-        Departure::new(Arc::new(self.state.clone()), 0, &self.rigid, step)
+    fn increment_start(&self, step: Option<TimeStep>) -> IncrementStart {
+        IncrementStart::new(Arc::new(self.state.clone()), 0, &self.rigid, step)
     }
 
-    /// Moves every coordinate at random by up to `nonsymmetric_traction`, those of nodes by up to a fifth of it.
+    /// Moves every coordinate at random by up to `drag`, those of nodes by up to a fifth of it.
     fn shake(&mut self, drag: f64, random: &mut Random) {
         let n = 3 * self.body.rest.len();
         for c in 0..self.size() {
@@ -364,7 +364,7 @@ impl Scene {
 
     /// Checks the gradient of a term against differences of its energy; one assembly fixes its lagged quantities.
     fn check_gradient(&self, what: &str, term: &mut dyn BodyTerm) {
-        let gradient = self.gradient(&self.assemble(term, Assembly::WHOLE));
+        let gradient = self.gradient(&self.assemble(term, Assembly::COMPLETE));
         let energy = |c, d| self.energy(term, &self.moved(c, d, c, 0.0));
         let numeric: Vec<f64> = (0..self.size()).map(|c| slope(STEP, |d| energy(c, d))).collect();
         let error = deviation(&numeric, &gradient, 0.0);
@@ -377,7 +377,7 @@ impl Scene {
         let projected = self.assemble(term, Assembly::PROJECTED);
         assert_positive(what, unknowns.len(), &self.hessian(&projected));
         self.check_gradient(what, term);
-        let block = self.assemble(term, Assembly::WHOLE);
+        let block = self.assemble(term, Assembly::COMPLETE);
         let difference = deviation(&self.gradient(&projected), &self.gradient(&block), 0.0);
         assert!(difference < 1e-13, "{what}: projection changes the gradient");
         let numeric = self.second_differences(&unknowns, &|state| self.energy(term, state));
@@ -393,8 +393,8 @@ fn elastic_energy_and_dead_loads_have_their_derivatives_in_the_solvers_storage()
         let scene = Scene::new(quadratic, &mut random);
         scene.check("elastic", &mut ElasticEnergy);
         let load = (0..scene.body.rest.len()).map(|_| random.vector()).collect();
-        let mut term = DeadLoad(load);
-        let gradient = scene.gradient(&scene.assemble(&mut term, Assembly::WHOLE));
+        let mut term = NodalLoads(load);
+        let gradient = scene.gradient(&scene.assemble(&mut term, Assembly::COMPLETE));
         let slope_at = |c| slope(0.25, |d| scene.energy(&term, &scene.moved(c, d, c, 0.0)));
         let numeric: Vec<f64> = (0..scene.size()).map(slope_at).collect();
         assert!(deviation(&numeric, &gradient, 0.0) < 1e-12, "dead load");
@@ -408,13 +408,16 @@ fn barriers_of_crushed_elements_have_their_derivatives() {
     let (nodes, centers) = inversion_barrier();
     let mut terms: [Box<dyn BodyTerm>; 2] = [Box::new(nodes), Box::new(centers)];
     for term in &mut terms {
-        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "nothing is crushed");
+        assert!(term.enforce_constraints(&scene.body, &scene.state.view(0, &scene.rigid)), "nothing is crushed");
     }
     // Inverted elements, so that no difference crosses the kink at which the barrier becomes active.
     scene.state.x[0].iter_mut().for_each(|x| x.z *= -0.2);
     for term in &mut terms {
-        assert!(!term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "both elements are crushed");
-        assert!(term.satisfied(&scene.body, &scene.state.view(0, &scene.rigid)), "both have their barrier");
+        assert!(
+            !term.enforce_constraints(&scene.body, &scene.state.view(0, &scene.rigid)),
+            "both elements are crushed"
+        );
+        assert!(term.enforce_constraints(&scene.body, &scene.state.view(0, &scene.rigid)), "both have their barrier");
         assert!(scene.energy(term.as_ref(), &scene.state) > 0.0);
         scene.check("barrier", term.as_mut());
     }
@@ -464,10 +467,10 @@ fn near_jump(
 ) -> bool {
     let view = scene.state.view(0, &scene.rigid);
     let (position, rotation) = (view.object.position, view.object.rotation);
-    contact.felt().any(|i| {
+    contact.active_points().any(|i| {
         let (e, own) = (contact.edge(i), contact.law_of(i));
         let relative = surface.points[i].position(view.x) + view.offset - position;
-        let slip = across(relative - rotation * e.anchor.unwrap_or_default(), e.normal) * e.share;
+        let slip = across(relative - rotation * e.anchor.unwrap_or_default(), e.normal) * e.active_fraction;
         // Skipped edges have no stored gap.
         let gap = object.distance(rotation.transpose() * relative);
         // Deep inside the object the closest point is discontinuous.
@@ -496,7 +499,7 @@ impl Covered {
 }
 
 /// Checks the contact term on random scenes in which no point is near a change of state (contact, branch, slip), where
-/// the second derivative jumps. `friction` is the coefficient, `nonsymmetric_traction` the motion after the anchors are set, m.
+/// the second derivative jumps. `friction` is the coefficient, `drag` the motion after the anchors are set, m.
 fn check_contact(friction: f64, drag: f64) -> Covered {
     let objects: [Arc<dyn SignedDistance>; 2] =
         [Arc::new(Sphere { radius: 0.8 }), Arc::new(Ellipsoid { semi: DVec3::new(0.9, 0.7, 0.8) })];
@@ -508,12 +511,12 @@ fn check_contact(friction: f64, drag: f64) -> Covered {
         let law = contact_law(0.4, friction);
         let mut contact = PointContact::new(law, surface.clone(), object.clone());
         // Set the anchors here, then move on; deeply penetrating points are stiffened.
-        scene.assemble(&mut contact, Assembly::WHOLE);
-        contact.satisfied(&scene.body, &scene.state.view(0, &scene.rigid));
+        scene.assemble(&mut contact, Assembly::COMPLETE);
+        contact.enforce_constraints(&scene.body, &scene.state.view(0, &scene.rigid));
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
-        contact.depart(&scene.departure(None));
+        contact.begin_increment(&scene.increment_start(None));
         scene.shake(drag, &mut random);
-        scene.assemble(&mut contact, Assembly::WHOLE);
+        scene.assemble(&mut contact, Assembly::COMPLETE);
         let kink = near_jump(&scene, &contact, &surface, &law, object.as_ref());
         if kink || !contact.edges().any(|(_, e)| e.pressure > 0.0) {
             continue;
@@ -572,7 +575,7 @@ fn points_that_are_not_listed_do_not_matter() {
             };
             same(&known, &fresh);
             let [forces, expected] =
-                [&mut known, &mut fresh].map(|term| scene.assemble(term, Assembly::WHOLE).gradient);
+                [&mut known, &mut fresh].map(|term| scene.assemble(term, Assembly::COMPLETE).gradient);
             assert_eq!(forces, expected, "seed {seed}, motion {motion}");
             touched += usize::from(forces.iter().any(|f| *f != DVec3::ZERO));
             same(&known, &fresh);
@@ -594,7 +597,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         let surface = Arc::new(ContactSurface::with_subdivision(&scene.body, 1));
         let law = contact_law(0.4, 0.3);
         let mut contact = PointContact::new(law, surface.clone(), object.clone());
-        scene.assemble(&mut contact, Assembly::WHOLE);
+        scene.assemble(&mut contact, Assembly::COMPLETE);
         contact.commit(&scene.body, &scene.state.view(0, &scene.rigid));
         let here = scene.state.clone();
         if seed % 3 == 0 {
@@ -602,21 +605,22 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
             contact = PointContact::new(law, surface.clone(), object.clone());
             scene.state.position.z += if seed % 2 == 0 { 0.5 } else { -0.5 };
         }
-        contact.depart(&scene.departure(None));
+        contact.begin_increment(&scene.increment_start(None));
         scene.state = here;
         scene.shake(0.2, &mut random);
-        let block = scene.assemble(&mut contact, Assembly::WHOLE);
+        let block = scene.assemble(&mut contact, Assembly::COMPLETE);
         let view = scene.state.view(0, &scene.rigid);
         let kink = near_jump(&scene, &contact, &surface, &law, object.as_ref());
         // Differences are accurate only where gap and slip are well above the step.
         let small = |e: &EdgeState| {
             e.slips && e.limit < 0.05 * law.tangential
-                || e.clear.is_some_and(|clear| clear > law.offset && clear - e.gap < 0.15)
+                || e.initial_gap.is_some_and(|clear| clear > law.offset && clear - e.gap < 0.15)
         };
         if contact.edges().any(|(_, e)| small(e)) {
             continue;
         }
-        let is_touching = |e: &EdgeState| e.pressure > 0.0 && e.share > 0.0 && e.share < 1.0 && !e.slips;
+        let is_touching =
+            |e: &EdgeState| e.pressure > 0.0 && e.active_fraction > 0.0 && e.active_fraction < 1.0 && !e.slips;
         if kink || !contact.edges().any(|(_, e)| e.slips || is_touching(e)) {
             continue;
         }
@@ -627,14 +631,14 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
         for (j, &c) in unknowns.iter().enumerate().filter(|(_, c)| **c < turning) {
             let step = scene.step(c, 1.0, c, 0.0);
             let mut change = BodyBlock::new(&scene.body, scene.rigid.size);
-            contact.couple(&scene.body, &view, &step.motion(0, &view), &mut change);
+            contact.add_nonsymmetric_change(&scene.body, &view, &step.motion(0, &view), &mut change);
             let coupled = scene.gradient(&change);
             let expected: Vec<f64> =
                 unknowns.iter().enumerate().map(|(i, &r)| hessian[i * unknowns.len() + j] + coupled[r]).collect();
             let gradient = |d: f64| {
                 let mut block = BodyBlock::new(&scene.body, scene.rigid.size);
                 let state = scene.moved(c, d, c, 0.0);
-                contact.clone().assemble(&scene.body, &state.view(0, &scene.rigid), Assembly::WHOLE, &mut block);
+                contact.clone().assemble(&scene.body, &state.view(0, &scene.rigid), Assembly::COMPLETE, &mut block);
                 scene.gradient(&block)
             };
             let numeric: Vec<f64> = unknowns.iter().map(|&r| slope(STEP, |d| gradient(d)[r])).collect();
@@ -649,7 +653,7 @@ fn forces_of_slipping_and_of_touching_points_follow_the_pressure() {
 /// Creates scenes away from kinks with contact vertices of the object over interior points of the pad's faces, so that
 /// each presses on a single face. Returns the scene, the law, the term (assembled and committed at the state of its
 /// anchors, then assembled at the current state), and the same term without friction.
-fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactLaw, FeatureContact, FeatureContact)> {
+fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactLaw, VertexContact, VertexContact)> {
     let mut scenes = Vec::new();
     for seed in 0..60 {
         let mut random = Random(1000 + seed);
@@ -665,27 +669,27 @@ fn feature_scenes(sharp: bool, friction: f64, drag: f64) -> Vec<(Scene, ContactL
             let (foot, normal) = face_frame(face, view.x, l);
             let point = foot + normal * felt.offset * random.number() + view.offset;
             let position = view.object.rotation.transpose() * (point - view.object.position);
-            Feature { position, sharp, along: None }
+            ContactVertex { position, sharp, segment: None }
         };
-        let features: Arc<[Feature]> = surface.faces.iter().map(&mut feature).collect();
+        let features: Arc<[ContactVertex]> = surface.faces.iter().map(&mut feature).collect();
         let mut terms = [friction, 0.0]
-            .map(|friction| FeatureContact::new(ContactLaw { friction, ..law }, surface.clone(), features.clone()));
+            .map(|friction| VertexContact::new(ContactLaw { friction, ..law }, surface.clone(), features.clone()));
         for term in &mut terms {
-            scene.assemble(term, Assembly::WHOLE);
+            scene.assemble(term, Assembly::COMPLETE);
             term.commit(&scene.body, &scene.state.view(0, &scene.rigid));
-            term.depart(&scene.departure(None));
+            term.begin_increment(&scene.increment_start(None));
         }
         let [mut with, mut without] = terms;
         let mut stuck = vec![Stencil::NONE; features.len()];
         with.edge_readings(&view).iter().for_each(|edge| stuck[edge.number] = edge.touched);
         scene.shake(drag, &mut random);
-        scene.assemble(&mut with, Assembly::WHOLE);
-        scene.assemble(&mut without, Assembly::WHOLE);
+        scene.assemble(&mut with, Assembly::COMPLETE);
+        scene.assemble(&mut without, Assembly::COMPLETE);
         let view = scene.state.view(0, &scene.rigid);
         let kink = with.edges().any(|(i, e)| {
             let arm = view.object.rotation * features[i].position;
             let relative = stuck[i].position(view.x) + view.offset - view.object.position - arm;
-            let slip = across(relative + e.anchor.unwrap_or_default(), e.normal) * e.share;
+            let slip = across(relative + e.anchor.unwrap_or_default(), e.normal) * e.active_fraction;
             near_kink(&felt, e.gap) || near_slip(&law, e, slip) || e.gap < -0.8 * felt.offset
         });
         if !kink && with.edges().any(|(_, e)| e.pressure > 0.0) {
@@ -728,7 +732,7 @@ fn projected_hessian_of_pressure_at_features_is_that_of_gauss_and_newton() {
                 moved.assemble(
                     &scene.body,
                     &state.view(0, &scene.rigid),
-                    Assembly::WHOLE,
+                    Assembly::COMPLETE,
                     &mut BodyBlock::new(&scene.body, scene.rigid.size),
                 );
                 moved.edge(i).gap
@@ -754,7 +758,7 @@ fn check_feature_friction(friction: f64, drag: f64) -> Covered {
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
         let unknowns = scene.unknowns();
         assert_positive("friction at features", unknowns.len(), &difference(&projected[0], &projected[1]));
-        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, Assembly::WHOLE));
+        let blocks = [&mut with, &mut without].map(|t| scene.assemble(t, Assembly::COMPLETE));
         let [gradient, gradient_without] = [0, 1].map(|k| scene.gradient(&blocks[k]));
         let [hessian, hessian_without] = [0, 1].map(|k| scene.hessian(&blocks[k]));
         let energy = |state: &State| scene.energy(&with, state) - scene.energy(&without, state);
@@ -797,7 +801,7 @@ impl<T: ObjectTerm + Clone + 'static> BodyTerm for OfObject<T> {
         self.term.assemble(&view.object, how, &mut block.rigid);
     }
 
-    fn depart(&mut self, from: &Departure) {
+    fn begin_increment(&mut self, from: &IncrementStart) {
         from.step.iter().for_each(|step| (self.begin)(&mut self.term, step));
     }
 
@@ -811,7 +815,7 @@ fn hand(random: &mut Random) -> Pose {
     Pose { position: random.vector(), rotation: random.rotation() }
 }
 
-/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `nonsymmetric_traction`.
+/// Creates a scene, a term at its state with a random hand, and a step in which hand and state move by about `drag`.
 fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Pose, &mut Random) -> T) -> (Scene, T, TimeStep) {
     let mut random = Random(seed);
     let mut scene = Scene::new(seed % 2 == 1, &mut random);
@@ -820,7 +824,7 @@ fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Pose, &mut R
     let turn = DQuat::from_scaled_axis(random.vector() * drag);
     let moved = Pose { position: start.position + random.vector() * drag, rotation: start.rotation * turn };
     let step = TimeStep { size: 0.7, hand: moved };
-    term.depart(&scene.departure(Some(step)));
+    term.begin_increment(&scene.increment_start(Some(step)));
     scene.shake(drag, &mut random);
     (scene, term, step)
 }
@@ -829,7 +833,7 @@ fn stepped<T: BodyTerm>(seed: u64, drag: f64, term: impl Fn(&Scene, Pose, &mut R
 fn a_dead_force_has_its_derivatives() {
     for seed in 0..6 {
         let make = |scene: &Scene, _: Pose, random: &mut Random| {
-            let term = DeadForce::new(random.vector(), random.vector(), scene.state.position);
+            let term = PointLoad::new(random.vector(), random.vector(), scene.state.position);
             OfObject { term, begin: |_, _| {} }
         };
         let (scene, mut term, _) = stepped(seed, 0.2, make);
@@ -867,7 +871,7 @@ fn inertia_of_a_rigid_object_has_its_derivatives() {
             let moving = (random.vector(), random.vector());
             let view = scene.state.object_view(&scene.rigid);
             let term = RigidInertia::new(&mass, 0.5, random.vector(), moving, hand, &view);
-            OfObject { term, begin: RigidInertia::begin }
+            OfObject { term, begin: RigidInertia::begin_step }
         };
         let (scene, mut term, _) = stepped(seed, 0.3, make);
         scene.check("rigid inertia", &mut term);
@@ -888,17 +892,18 @@ fn check_ground(friction: f64, drag: f64) -> Covered {
                 vertices.iter().map(|v| normal.dot(hand.transform(view.object.position + view.object.rotation * *v)));
             let height = lowest.fold(f64::INFINITY, f64::min) - 0.1;
             let term = GroundContact::new(vertices.clone(), law, normal, height, hand, &view.object);
-            let mut term = OfObject { term, begin: GroundContact::begin };
+            let mut term = OfObject { term, begin: GroundContact::begin_step };
             // Set the anchors here; the step then moves on.
-            scene.assemble(&mut term, Assembly::WHOLE);
+            scene.assemble(&mut term, Assembly::COMPLETE);
             term.commit(&scene.body, &view);
             term
         };
         let (scene, mut term, step) = stepped(seed, drag, make);
-        scene.assemble(&mut term, Assembly::WHOLE);
+        scene.assemble(&mut term, Assembly::COMPLETE);
         let kink = term.term.edges().any(|(i, e)| {
             let point = scene.state.position + scene.state.rotation * vertices[i];
-            let slip = across(step.hand.inverse_transform(e.anchor.unwrap_or_default()) - point, e.normal) * e.share;
+            let slip =
+                across(step.hand.inverse_transform(e.anchor.unwrap_or_default()) - point, e.normal) * e.active_fraction;
             near_kink(&law, e.gap) || near_slip(&law, e, slip)
         });
         if kink || !term.term.edges().any(|(_, e)| e.pressure > 0.0) {

@@ -13,7 +13,7 @@ use tactus::mech::material::{Linear, Material, NeoHookean, von_mises};
 use tactus::mech::newton::{Newton, NewtonTolerance};
 use tactus::mech::potential::block::BodyBlock;
 use tactus::mech::potential::state::{BodyView, RigidUnknowns, State};
-use tactus::mech::potential::term::{Assembly, BodyTerm, DeadLoad, ElasticEnergy};
+use tactus::mech::potential::term::{Assembly, BodyTerm, ElasticEnergy, NodalLoads};
 
 const YOUNG: f64 = 0.3;
 const POISSON: f64 = 0.45;
@@ -74,8 +74,8 @@ impl Solver {
             force: 1e-10,
             length: 1e-7,
             iterations: 60,
-            motion: 1e3,
-            passing: false,
+            max_motion: 1e3,
+            intermediate: false,
             offset: 1e-5,
         };
         let solved = self.newton.solve(&self.state, self.state.clone(), &tolerance);
@@ -207,7 +207,7 @@ impl BodyTerm for Rollers {
         }
     }
 
-    fn satisfied(&mut self, _: &Body, view: &BodyView) -> bool {
+    fn enforce_constraints(&mut self, _: &Body, view: &BodyView) -> bool {
         let off: Vec<f64> = (0..self.held.len()).map(|k| self.off(view, k)).collect();
         if off.iter().all(|o| o.abs() < 1e-9) {
             return true;
@@ -278,14 +278,14 @@ fn cantilever(mesh: &TetMesh, quadratic: bool, mean: bool, law: Arc<dyn Material
     close("total force of load 1, N", unit.iter().map(|f| f.x).sum(), 0.0064, 1e-12);
     let fixed = rest.iter().map(|p| p.z == 0.0).collect();
     let body = Body::new(rest, elements, fixed, law, mean);
-    let mut solver = Solver::new(body, Some(Box::new(DeadLoad(vec![]))));
+    let mut solver = Solver::new(body, Some(Box::new(NodalLoads(vec![]))));
     let mut load = 0.0;
     levels
         .iter()
         .map(|level| {
             while load < *level {
                 load = (load + 0.5f64).min(*level);
-                solver.newton.terms[0][1] = Box::new(DeadLoad(unit.iter().map(|f| *f * load).collect()));
+                solver.newton.terms[0][1] = Box::new(NodalLoads(unit.iter().map(|f| *f * load).collect()));
                 solver.solve();
             }
             let fixed = solver.newton.body(0).fixed.iter();

@@ -11,7 +11,7 @@ use tactus::mech::element::{EDGES, RestTet};
 use tactus::mech::material::{Material, NeoHookean};
 use tactus::mech::newton::{Newton, NewtonTolerance};
 use tactus::mech::potential::state::{RigidUnknowns, State};
-use tactus::mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
+use tactus::mech::potential::term::{BodyTerm, ElasticEnergy, NodalLoads};
 
 /// Displacement, m, as a function of the point of the unit cube.
 type Field = fn(DVec3) -> DVec3;
@@ -108,7 +108,7 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
     let outside = |p: &DVec3| p.min_element() < 1e-9 || p.max_element() > 1.0 - 1e-9;
     let fixed = rest.iter().map(outside).collect();
     let body = Body::new(rest.clone(), elements, fixed, law.clone(), mean_dilatation);
-    let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(DeadLoad(load))];
+    let terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(NodalLoads(load))];
     let mut newton = Newton::new(vec![Arc::new(body)], vec![terms], RigidUnknowns::none(1)).expect("solver");
     let x = rest.iter().map(|p| *p + field(*p)).collect();
     let start = State { x: vec![x], travel: vec![0.0], position: DVec3::ZERO, rotation: DQuat::IDENTITY };
@@ -117,8 +117,8 @@ fn error(field: Field, n: usize, quadratic: bool, mean_dilatation: bool, poisson
         force: 1e-9,
         length: 1e-8,
         iterations: 40,
-        motion: 1e3,
-        passing: false,
+        max_motion: 1e3,
+        intermediate: false,
         offset: 1e-5,
     };
     let (state, _) = newton.solve(&start.clone(), start, &tolerance).expect("converges");

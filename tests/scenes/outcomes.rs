@@ -11,7 +11,7 @@ use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::geometry::shape::sphere::Sphere;
 use tactus::mech::material::NeoHookean;
 use tactus::mech::newton::Failure;
-use tactus::mech::newton::effort::{Effort, most_iterations};
+use tactus::mech::newton::effort::{Effort, iteration_limit};
 use tactus::mech::path::Load;
 use tactus::mech::path::continuation::FullPads;
 use tactus::model::Model;
@@ -108,10 +108,10 @@ fn an_object_that_slips_out_is_dropped_wherever_it_is_told() {
 
 #[test]
 fn the_bound_on_iterations_follows_from_the_steps() {
-    assert_eq!(most_iterations(40, 1), 2400);
-    assert_eq!(most_iterations(40, 10), 6000);
-    assert_eq!(most_iterations(10, 3), 800);
-    assert_eq!(most_iterations(u32::MAX, usize::MAX), u64::MAX, "no overflow");
+    assert_eq!(iteration_limit(40, 1), 2400);
+    assert_eq!(iteration_limit(40, 10), 6000);
+    assert_eq!(iteration_limit(10, 3), 800);
+    assert_eq!(iteration_limit(u32::MAX, usize::MAX), u64::MAX, "no overflow");
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn what_no_pad_can_follow_ends_within_the_bound() {
         let outcome = run(&format!("(object: ({object}), gripper: ({gripper}), loading: {loading}, {few})"));
         let s = &outcome.summary;
         println!("{loading}: {:?} after {} iterations, {:?}", s.status, s.newton_iterations, s.reason);
-        assert!(s.newton_iterations <= most_iterations(5, 3), "{s:?}");
+        assert!(s.newton_iterations <= iteration_limit(5, 3), "{s:?}");
         let reason = s.reason.as_deref().unwrap_or("");
         assert!(s.status == Status::Fault && reason.contains("within 400 Newton iterations"), "{s:?}");
     }

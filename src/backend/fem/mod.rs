@@ -2,8 +2,8 @@
 
 pub mod condensed;
 pub mod dynamics;
+mod full_pads;
 mod level;
 mod solver;
 pub mod stepper;
 pub mod systems;
-mod whole;

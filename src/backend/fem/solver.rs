@@ -6,15 +6,15 @@ use base::saved_state::{StateReader, StateWriter};
 use bevy_ecs::prelude::*;
 use geometry::Pose;
 use glam::DVec3;
-use mech::contact::{FeatureContact, PointContact};
+use mech::contact::{PointContact, VertexContact};
 use mech::newton::effort::Effort;
 use mech::newton::{Failure, Newton, NewtonTolerance};
 use mech::path::{Path, PathControl};
-use mech::potential::dead_force::DeadForce;
 use mech::potential::edge::EdgeReading;
 use mech::potential::inversion_barrier::inversion_barrier;
+use mech::potential::point_load::PointLoad;
 use mech::potential::state::{RigidUnknowns, State};
-use mech::potential::term::{BodyTerm, DeadLoad, ElasticEnergy};
+use mech::potential::term::{BodyTerm, ElasticEnergy, NodalLoads};
 use model::Model;
 use model::part::FingerModel;
 use record::pad_name;
@@ -55,13 +55,13 @@ impl GraspSolver {
     /// Fails if the symbolic factorisation of the stiffness of a pad fails.
     pub fn new(model: &Model, pose: Pose, settings: &scene::Fem) -> Result<Self> {
         let mut bodies: Vec<_> = model.fingers.iter().map(|f| f.body.clone()).collect();
-        let loads: Vec<_> = (0..bodies.len()).map(|i| gel_loads(model, i, pose)).collect();
-        let terms = model.fingers.iter().map(|finger| contact(model, finger)).collect();
+        let loads: Vec<_> = (0..bodies.len()).map(|i| gel_weight_per_node(model, i, pose)).collect();
+        let terms = model.fingers.iter().map(|finger| contact_terms(model, finger)).collect();
         let mut gels = Vec::new();
         let mut condensed = None;
         match settings.solver {
             scene::Solver::Full => {
-                gels = loads.into_iter().map(gel).collect();
+                gels = loads.into_iter().map(full_pad_terms).collect();
             }
             scene::Solver::Condensed(c) => {
                 gels.resize_with(bodies.len(), Vec::new);
@@ -81,11 +81,11 @@ impl GraspSolver {
         };
         let mut newton = Newton::new(bodies, terms, rigid)?;
         newton.gel = gels;
-        newton.object.weight = weight(model, pose);
-        newton.object.push = push(model, pose);
+        newton.object.weight = weight_load(model, pose);
+        newton.object.push = push_loads(model, pose);
         newton.effort = Effort::within(settings.max_time.map(|seconds| seconds.get()));
         let mut path = Path::new(newton, state, NewtonTolerance::new(model.offset));
-        path.control = control(model);
+        path.control = path_control(model);
         let progress = GraspProgress { started: false, pushing: false, start: pose };
         Ok(Self { path, condensed, settings: *settings, steps: 0, progress })
     }
@@ -103,7 +103,7 @@ impl GraspSolver {
         (self.progress, self.steps, condensed) = history.read()?;
         match &mut self.condensed {
             Some(pads) if condensed => pads.restore_state(&mut self.path, history)?,
-            Some(_) => self.release(model).map_err(Error::Start)?,
+            Some(_) => self.fall_back_to_full_pads(model).map_err(Error::Start)?,
             None => {}
         }
         self.path.restore_state(history)
@@ -120,9 +120,9 @@ impl GraspSolver {
         self.path.newton.object.weight.iter_mut().for_each(|weight| weight.force = force);
     }
 
-    /// Applies the fraction `part` of the object's weight to the fingers; its support carries the rest.
-    pub(crate) fn hand_over(&mut self, part: f64) {
-        self.path.newton.object.weight.iter_mut().for_each(|weight| weight.part = part);
+    /// Applies the `fraction` of the object's weight to the fingers; its support carries the rest.
+    pub(crate) fn apply_weight_fraction(&mut self, fraction: f64) {
+        self.path.newton.object.weight.iter_mut().for_each(|weight| weight.fraction = fraction);
     }
 
     /// Returns the convergence criteria of Newton's method at the load `level` (force per finger, N, or travel of a
@@ -135,19 +135,19 @@ impl GraspSolver {
         let force = if model.force_driven { level } else { press };
         let given = self.settings.tolerance;
         // No tighter than the accepted error of condensed pads.
-        let blunt = match self.settings.solver {
+        let loose = match self.settings.solver {
             scene::Solver::Condensed(c) if self.condensed.is_some() => {
                 (CONDENSED_TOLERANCE * c.error.get() / given.force.get()).max(1.0)
             }
             _ => 1.0,
         };
-        let relative = blunt * given.force.get();
+        let relative = loose * given.force.get();
         let usual = NewtonTolerance::new(model.offset);
         NewtonTolerance {
             relative,
             // Without contact there is no contact force to compare with.
             force: 1e-2 * relative * force,
-            length: blunt * given.displacement.map_or(usual.length, |length| length.get()),
+            length: loose * given.displacement.map_or(usual.length, |length| length.get()),
             iterations: self.settings.max_iterations.get() as u32,
             ..usual
         }
@@ -158,7 +158,7 @@ impl GraspSolver {
     ///
     /// # Errors
     /// Fails with the reason if a pad overlaps the object in the open hand, or a finger does not meet the object.
-    pub(crate) fn back_off(&mut self, model: &Model) -> std::result::Result<(), String> {
+    pub(crate) fn approach_object(&mut self, model: &Model) -> std::result::Result<(), String> {
         let pose = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
         let clearance = 0.5 * model.offset;
         let state = &mut self.path.state;
@@ -171,7 +171,7 @@ impl GraspSolver {
 
     /// Returns the reason why the accepted state, although in equilibrium, is no grasp: a finger has exceeded its
     /// stroke or lost contact. None if it is a grasp.
-    pub(crate) fn lost_grip(&self, model: &Model) -> Option<String> {
+    pub(crate) fn lost_contact_reason(&self, model: &Model) -> Option<String> {
         let (newton, state) = (&self.path.newton, &self.path.state);
         for i in 0..model.fingers.len() {
             let name = pad_name(i);
@@ -179,26 +179,26 @@ impl GraspSolver {
                 let stroke = model.stroke * 1e3;
                 return Some(format!(
                     "the {name} finger exceeded its stroke of {stroke:.1} mm: {}",
-                    self.escaped(model)
+                    self.describe_lost_contact(model)
                 ));
             }
             if !newton.edge_readings(state, i).iter().any(EdgeReading::active) {
-                return Some(format!("the {name} finger lost contact: {}", self.escaped(model)));
+                return Some(format!("the {name} finger lost contact: {}", self.describe_lost_contact(model)));
             }
         }
         None
     }
 
     /// Describes how the fingers lost contact.
-    fn escaped(&self, model: &Model) -> String {
+    fn describe_lost_contact(&self, model: &Model) -> String {
         match model.free {
-            true => format!("the object was squeezed out (it {})", self.moved()),
+            true => format!("the object was squeezed out (it {})", self.describe_motion()),
             false => "it no longer touches the object".into(),
         }
     }
 
     /// Describes the motion of the object since first contact.
-    fn moved(&self) -> String {
+    fn describe_motion(&self) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position) * 1e3;
         let turned = (state.rotation * self.progress.start.rotation.inverse()).to_scaled_axis().length().to_degrees();
@@ -207,13 +207,13 @@ impl GraspSolver {
 
     /// Returns the message for a solve that failed: where (`at`), the cause, the last accepted load level, and the
     /// motion of a free object if it is large.
-    pub(crate) fn explain(&self, model: &Model, at: &str, failure: Failure) -> String {
+    pub(crate) fn failure_message(&self, model: &Model, at: &str, failure: Failure) -> String {
         let state = &self.path.state;
         let moved = state.position.distance(self.progress.start.position);
         let far = match model.free && moved > REPORTED_MOTION * model.object.bounding_radius {
-            true if failure.leaves_the_grasp() => format!("; {}", self.escaped(model)),
+            true if failure.leaves_the_grasp() => format!("; {}", self.describe_lost_contact(model)),
             // Whether it would have reached equilibrium is unknown.
-            true => format!("; the object {} before that", self.moved()),
+            true => format!("; the object {} before that", self.describe_motion()),
             false => String::new(),
         };
         format!("{at}: {failure}; last accepted level {:.4e}{far}", self.path.level)
@@ -223,12 +223,13 @@ impl GraspSolver {
 /// Fraction of the allowed path error that one increment may have: the errors of all increments add up.
 const INCREMENT_ERROR: f64 = 0.5;
 /// Travel of the first increment of a press, over the thickness of the pad.
-const FIRST_TRAVEL: f64 = 0.01;
+const FIRST_TRAVEL_INCREMENT: f64 = 0.01;
 
 /// Returns the control of the increments; None if the path error is not controlled.
-fn control(model: &Model) -> Option<PathControl> {
-    let first = if model.force_driven { model.contact_force() } else { FIRST_TRAVEL * model.thickness() };
-    model.path_error.map(|error| PathControl { bend: INCREMENT_ERROR * error, first })
+fn path_control(model: &Model) -> Option<PathControl> {
+    let first_load =
+        if model.force_driven { model.contact_force() } else { FIRST_TRAVEL_INCREMENT * model.thickness() };
+    model.path_error.map(|error| PathControl { max_path_error: INCREMENT_ERROR * error, first_load })
 }
 
 /// Relative force tolerance of condensed pads, over their accepted error.
@@ -238,16 +239,16 @@ const REPORTED_MOTION: f64 = 0.1;
 
 /// Returns the terms of the potential of a full pad: elastic energy, inversion barrier, and the dead loads `loads` (N
 /// per node, hand frame; empty for none).
-pub(crate) fn gel(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
+pub(crate) fn full_pad_terms(loads: Vec<DVec3>) -> Vec<Box<dyn BodyTerm>> {
     let (nodes, centers) = inversion_barrier();
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(ElasticEnergy), Box::new(nodes), Box::new(centers)];
-    terms.extend((!loads.is_empty()).then(|| Box::new(DeadLoad(loads)) as Box<dyn BodyTerm>));
+    terms.extend((!loads.is_empty()).then(|| Box::new(NodalLoads(loads)) as Box<dyn BodyTerm>));
     terms
 }
 
 /// Returns the weight of the gel of finger `i`, distributed to its nodes, N, hand frame, for an object at `pose`. Empty
 /// without gravity, and in a dynamic scene, where the inertia terms include gravity.
-pub(crate) fn gel_loads(model: &Model, i: usize, pose: Pose) -> Vec<DVec3> {
+pub(crate) fn gel_weight_per_node(model: &Model, i: usize, pose: Pose) -> Vec<DVec3> {
     let (Some(gravity), None) = (model.gravity, &model.dynamics) else { return Vec::new() };
     let g = pose.rotation * gravity;
     let finger = &model.fingers[i];
@@ -255,32 +256,32 @@ pub(crate) fn gel_loads(model: &Model, i: usize, pose: Pose) -> Vec<DVec3> {
 }
 
 /// Returns the terms of contact between the pad of `finger` and the object.
-fn contact(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
+fn contact_terms(model: &Model, finger: &FingerModel) -> Vec<Box<dyn BodyTerm>> {
     let points = PointContact::new(finger.law, finger.surface.clone(), model.object.distance.clone());
     let mut terms: Vec<Box<dyn BodyTerm>> = vec![Box::new(points)];
     if !model.features.is_empty() {
-        terms.push(Box::new(FeatureContact::new(finger.law, finger.surface.clone(), model.features.clone())));
+        terms.push(Box::new(VertexContact::new(finger.law, finger.surface.clone(), model.features.clone())));
     }
     terms
 }
 
 /// Returns the weight of a free object at `pose`, if the scene has one. In a dynamic scene the inertia term includes
 /// gravity; in the world of an agent the load is set at every step.
-fn weight(model: &Model, pose: Pose) -> Option<DeadForce> {
+fn weight_load(model: &Model, pose: Pose) -> Option<PointLoad> {
     let pulled = model.free && model.dynamics.is_none() && (model.needs.task || model.gravity.is_some());
     let center = model.object.mass.center;
     let start = pose.position + pose.rotation * center;
     let force = pose.rotation * model.gravity.unwrap_or_default() * model.mass;
-    pulled.then(|| DeadForce::new(force, center, start))
+    pulled.then(|| PointLoad::new(force, center, start))
 }
 
 /// Returns the forces of the push on an object that is at `pose` at first contact; all are inactive at first.
-fn push(model: &Model, pose: Pose) -> Vec<DeadForce> {
+fn push_loads(model: &Model, pose: Pose) -> Vec<PointLoad> {
     let Some(push) = &model.push else { return Vec::new() };
     let center = model.object.mass.center;
     let at = |(arm, force): (DVec3, DVec3)| {
         let point = center + pose.rotation.inverse() * arm;
-        DeadForce { part: 0.0, ..DeadForce::new(force, point, pose.position + pose.rotation * point) }
+        PointLoad { fraction: 0.0, ..PointLoad::new(force, point, pose.position + pose.rotation * point) }
     };
     let all = std::iter::once((DVec3::ZERO, push.force)).chain(push.couple(model.object.bounding_radius));
     all.filter(|(_, force)| *force != DVec3::ZERO).map(at).collect()

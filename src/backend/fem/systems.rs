@@ -6,7 +6,7 @@ use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use geometry::{Pose, Wrench};
 use glam::DVec3;
-use mech::path::continuation::Methods;
+use mech::path::continuation::MethodCounts;
 use mech::potential::edge::{EdgeReading, EdgeState};
 use model::Needs;
 use rayon::prelude::*;
@@ -218,7 +218,7 @@ pub fn measure_reaction(
 ) {
     for (finger, closing, mut force) in &mut fingers {
         let i = finger.0 as usize;
-        force.0 = (solver.mount(i) + solver.gel_weight(&shared.0, i)).dot(closing.0);
+        force.0 = (solver.mount_force(i) + solver.gel_weight(&shared.0, i)).dot(closing.0);
     }
 }
 
@@ -296,5 +296,5 @@ pub fn report_timings(solver: Res<GraspSolver>, mut timings: ResMut<Timings>) {
     ];
     timings.stages.extend(stages);
     timings.iterations = p.iterations;
-    timings.methods = Methods { frozen: p.frozen, projected: p.projections, ..solver.path.methods };
+    timings.methods = MethodCounts { frozen: p.frozen, projected: p.projections, ..solver.path.methods };
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use pulp::NullaryFnOnce;
 
 /// Number of elements whose stiffness is computed together, one per vector lane.
-const SIDE: usize = 8;
+const LANES: usize = 8;
 
 /// All elements of a body at the node positions `x`.
 pub(super) struct ElementLoop<'a, const N: usize, const Q: usize> {
@@ -82,13 +82,13 @@ impl<const N: usize, const Q: usize> NullaryFnOnce for AddStiffness<'_, N, Q> {
     fn call(self) {
         let Self { elements: ElementLoop { kernel, nodes, tets, x }, slots, project, gradient, values } = self;
         let pairs = slots.len() / nodes.len().max(1);
-        let mut sum = Box::<Stiffness<N, SIDE>>::default();
-        for start in (0..nodes.len()).step_by(SIDE) {
+        let mut sum = Box::<Stiffness<N, LANES>>::default();
+        for start in (0..nodes.len()).step_by(LANES) {
             // The last element fills the unused lanes of the last batch.
-            let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
+            let own: [usize; LANES] = std::array::from_fn(|l| (start + l).min(nodes.len() - 1));
             let at = own.map(|e| gather(&nodes[e], x));
             kernel.stiffness(own.map(|e| &tets[e]), &at, project, &mut sum);
-            for (l, e) in (start..nodes.len()).take(SIDE).enumerate() {
+            for (l, e) in (start..nodes.len()).take(LANES).enumerate() {
                 for (&i, g) in nodes[e].iter().zip(sum.gradient[l]) {
                     gradient[i as usize] += g;
                 }

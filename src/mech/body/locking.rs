@@ -3,10 +3,10 @@
 use super::{Body, Elements};
 
 /// Poisson's ratio from which a notice is given.
-pub const LOCKS_FROM: f64 = 0.4;
+pub const LOCKING_POISSON_RATIO: f64 = 0.4;
 
 /// Returns a notice for the user if the elements of `body` lock: 4-node tetrahedra, or 10-node ones with an independent
-/// pressure at every quadrature point, at nu of [`LOCKS_FROM`] or more.
+/// pressure at every quadrature point, at nu of [`LOCKING_POISSON_RATIO`] or more.
 ///
 /// Measured with a sphere of radius 6 mm pressed 1 mm into a 20 x 25 x 4.5 mm pad: with 600 nodes per quarter pad the
 /// force is 31 % too high at nu = 0.45 and 77 % at 0.49, with 5250 nodes still 7 % and 24 %; 495 nodes of 10-node
@@ -14,7 +14,7 @@ pub const LOCKS_FROM: f64 = 0.4;
 pub fn locking_notice(body: &Body) -> Option<String> {
     let nu = body.material.moduli().poisson;
     let what = match body.elements {
-        _ if nu < LOCKS_FROM => return None,
+        _ if nu < LOCKING_POISSON_RATIO => return None,
         Elements::Linear(_) => {
             "linear tetrahedra: forces can be tens of percent too high (a sphere pressed 1 mm into a pad of 600 nodes per \
              quarter: 31 % at nu = 0.45, 77 % at 0.49; of 5250 nodes: 7 % and 24 %)"

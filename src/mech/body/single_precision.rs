@@ -66,7 +66,7 @@ impl SinglePrecisionFactor {
 }
 
 /// Number of columns that are read together: each entry of a vector is then loaded once for all of them.
-const TOGETHER: usize = 4;
+const COLUMNS_PER_PASS: usize = 4;
 
 /// Forward substitution, `L^-1 x`: a callable struct, compiled for the widest vector registers of the processor.
 struct Forward<'a> {
@@ -93,9 +93,9 @@ impl WithSimd for Forward<'_> {
             below.extend(node.pattern().iter().map(|row| x[*row]));
             let own = &x[node.start()..node.start() + columns];
             let outside = |c: usize| &column(&node, c)[columns..];
-            let blocks = columns / TOGETHER * TOGETHER;
-            for c in (0..blocks).step_by(TOGETHER) {
-                let entries: [&[f32]; TOGETHER] = std::array::from_fn(|k| outside(c + k));
+            let blocks = columns / COLUMNS_PER_PASS * COLUMNS_PER_PASS;
+            for c in (0..blocks).step_by(COLUMNS_PER_PASS) {
+                let entries: [&[f32]; COLUMNS_PER_PASS] = std::array::from_fn(|k| outside(c + k));
                 add_columns(simd, &mut below, entries, std::array::from_fn(|k| -own[c + k]));
             }
             (blocks..columns).for_each(|c| add_columns(simd, &mut below, [outside(c)], [-own[c]]));
@@ -126,9 +126,9 @@ impl WithSimd for Backward<'_> {
             below.extend(node.pattern().iter().map(|row| x[*row]));
             let own = &mut x[start..start + columns];
             let outside = |c: usize| &column(&node, c)[columns..];
-            let blocks = wanted / TOGETHER * TOGETHER;
-            for c in (0..blocks).step_by(TOGETHER) {
-                let sums = products(simd, std::array::from_fn::<_, TOGETHER, _>(|k| outside(c + k)), &below);
+            let blocks = wanted / COLUMNS_PER_PASS * COLUMNS_PER_PASS;
+            for c in (0..blocks).step_by(COLUMNS_PER_PASS) {
+                let sums = products(simd, std::array::from_fn::<_, COLUMNS_PER_PASS, _>(|k| outside(c + k)), &below);
                 own[c..].iter_mut().zip(sums).for_each(|(x, sum)| *x -= sum);
             }
             (blocks..wanted).for_each(|c| own[c] -= products(simd, [outside(c)], &below)[0]);

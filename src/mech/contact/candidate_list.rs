@@ -2,9 +2,9 @@
 //! side of the pad surface the others lie. Both follow from bounds on the motion of vertices and pad.
 
 use super::closest_point::ClosestPoint;
+use super::face_bounds::FaceBounds;
 use super::incident_faces::IncidentFace;
-use super::nearby::{BULGE, Nearby, motion};
-use super::project::FaceBounds;
+use super::nearby::{NearbyList, QUADRATIC_MOTION_RATIO, largest_node_motion};
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
 use base::scales::{DISTANCE_UPDATE_MOTION, FACE_HYSTERESIS, VERTEX_LIST_RADIUS};
@@ -18,18 +18,18 @@ pub(crate) struct CandidateList {
     /// Contact offset, m.
     offset: f64,
     /// Bounds from the last query of all vertices.
-    looked: Arc<Seen>,
+    full_query: Arc<VertexBounds>,
     /// Bounds from the last assembly, for the vertices that were near.
-    last: Arc<Seen>,
-    nearby: Arc<Nearby>,
+    last: Arc<VertexBounds>,
+    nearby: Arc<NearbyList>,
 }
 
 /// Distances of all contact vertices to the pad at an earlier state.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-struct Seen {
+struct VertexBounds {
     /// Node positions at that state, m.
     x: Vec<DVec3>,
-    features: Vec<GapBounds>,
+    vertices: Vec<GapBounds>,
 }
 
 /// Position of a contact vertex relative to the finger, and bounds of its signed distance to the pad there (positive
@@ -44,22 +44,22 @@ pub(crate) struct GapBounds {
 /// Largest motion of a node of the pad since the last query of all vertices, and since the last assembly, m; `+inf`
 /// before the first.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Drift {
-    looked: f64,
+pub(crate) struct PadMotion {
+    full_query: f64,
     last: f64,
 }
 
-impl Seen {
+impl VertexBounds {
     fn moved(&self, x: &[DVec3]) -> f64 {
-        motion(&self.x, x)
+        largest_node_motion(&self.x, x)
     }
 
     /// Bounds of the signed distance of vertex `i`, now at `y`, to the pad, whose nodes have moved by up to `moved`
     /// (m).
     fn bounds(&self, i: usize, y: DVec3, moved: f64) -> GapBounds {
-        match self.features.get(i) {
+        match self.vertices.get(i) {
             Some(then) => {
-                let change = BULGE * moved + then.at.distance(y);
+                let change = QUADRATIC_MOTION_RATIO * moved + then.at.distance(y);
                 GapBounds { at: y, least: then.least - change, most: then.most + change }
             }
             None => GapBounds { at: y, ..GapBounds::UNKNOWN },
@@ -100,7 +100,7 @@ impl GapBounds {
 impl CandidateList {
     /// Creates a list without any bounds; contact has this `offset` (m).
     pub fn new(offset: f64) -> Self {
-        Self { offset, looked: Arc::default(), last: Arc::default(), nearby: Arc::default() }
+        Self { offset, full_query: Arc::default(), last: Arc::default(), nearby: Arc::default() }
     }
 
     /// Recomputes the distances of `count` contact vertices if the pad at `x` has moved too far since the last time;
@@ -114,7 +114,7 @@ impl CandidateList {
         place: impl Fn(usize) -> DVec3,
     ) {
         let moved = self.moved(x);
-        if moved.looked > DISTANCE_UPDATE_MOTION * self.offset {
+        if moved.full_query > DISTANCE_UPDATE_MOTION * self.offset {
             let away = |i: usize| {
                 let y = place(i);
                 let near = self.bounds(i, y, moved);
@@ -122,25 +122,25 @@ impl CandidateList {
                     bounds.outside(surface, x, y, |closest_point| near.with_valid_sign(closest_point, self.offset));
                 GapBounds { at: y, least, most: f64::INFINITY }
             };
-            let features = (0..count).map(away).collect();
-            self.looked = Arc::new(Seen { features, x: x.to_vec() });
+            let vertices = (0..count).map(away).collect();
+            self.full_query = Arc::new(VertexBounds { vertices, x: x.to_vec() });
         }
     }
 
     /// Stores the bounds of each vertex found in an assembly at node positions `x`.
-    pub fn remember(&mut self, x: &[DVec3], features: Vec<GapBounds>) {
-        self.last = Arc::new(Seen { x: x.to_vec(), features });
+    pub fn store_assembly(&mut self, x: &[DVec3], vertices: Vec<GapBounds>) {
+        self.last = Arc::new(VertexBounds { x: x.to_vec(), vertices });
     }
 
     /// Lists the vertices that are near according to the last assembly, and those that `matter` at any distance. The
     /// object reaches as far as `radius` (m) from its origin.
     pub fn list(&mut self, view: &BodyView, radius: f64, matter: impl Fn(usize) -> bool) {
-        let all = self.last.features.iter().enumerate();
-        let features = all
+        let all = self.last.vertices.iter().enumerate();
+        let vertices = all
             .filter(|(i, bounds)| bounds.within(VERTEX_LIST_RADIUS * self.offset) || matter(*i))
             .map(|(i, _)| i)
             .collect();
-        self.nearby = Arc::new(Nearby::new(features, view, radius));
+        self.nearby = Arc::new(NearbyList::new(vertices, view, radius));
     }
 
     /// Adds vertex `i`, whose position has changed, to the list, at `distance` (m) from the origin of the object.
@@ -159,14 +159,14 @@ impl CandidateList {
     }
 
     /// Largest motions of the nodes of the pad, which are at `x` now.
-    pub fn moved(&self, x: &[DVec3]) -> Drift {
-        Drift { looked: self.looked.moved(x), last: self.last.moved(x) }
+    pub fn moved(&self, x: &[DVec3]) -> PadMotion {
+        PadMotion { full_query: self.full_query.moved(x), last: self.last.moved(x) }
     }
 
     /// Bounds of the signed distance of vertex `i`, now at `y`.
-    pub fn bounds(&self, i: usize, y: DVec3, moved: Drift) -> GapBounds {
-        let (looked, last) = (self.looked.bounds(i, y, moved.looked), self.last.bounds(i, y, moved.last));
-        GapBounds { at: y, least: looked.least.max(last.least), most: looked.most.min(last.most) }
+    pub fn bounds(&self, i: usize, y: DVec3, moved: PadMotion) -> GapBounds {
+        let (full_query, last) = (self.full_query.bounds(i, y, moved.full_query), self.last.bounds(i, y, moved.last));
+        GapBounds { at: y, least: full_query.least.max(last.least), most: full_query.most.min(last.most) }
     }
 }
 
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_feature_stays_on_the_side_where_it_can_be() {
         let then = GapBounds { at: DVec3::ZERO, least: 1e-5, most: 1e-5 };
-        let seen = Seen { x: vec![DVec3::ZERO], features: vec![then] };
+        let seen = VertexBounds { x: vec![DVec3::ZERO], vertices: vec![then] };
         let now = seen.bounds(0, DVec3::X * 1e-6, 0.0);
         let gap = |gap: f64| now.with_valid_sign(ClosestPoint::at(0, [1.0, 0.0, 0.0], gap, DVec3::Z), 1e-5).gap;
         assert_eq!([gap(9.5e-6), gap(-9.5e-6)], [9.5e-6; 2], "m");

@@ -18,7 +18,7 @@ pub(crate) struct FaceGrid {
 }
 
 /// Maximum number of cells along an axis.
-const MOST: f64 = 64.0;
+const MAX_CELLS_PER_AXIS: f64 = 64.0;
 
 impl FaceGrid {
     /// Creates a grid without faces; its cells will list those nearer than `reach` (m), or than the mean width of a
@@ -43,7 +43,7 @@ impl FaceGrid {
         self.near = self.reach.min(width);
         let extent = (high - low).max(DVec3::ZERO) + 2.0 * self.near;
         self.low = low - self.near;
-        self.size = (0.5 * width).max(extent.max_element() / MOST);
+        self.size = (0.5 * width).max(extent.max_element() / MAX_CELLS_PER_AXIS);
         self.count = (extent / self.size).as_uvec3() + 1;
         let mut next = vec![0; (self.count.x * self.count.y * self.count.z) as usize + 1];
         for face in boxes {

@@ -19,13 +19,13 @@ pub struct ClosestPoint {
     /// Cosine of the angle between the direction to the query point and the normal of the face.
     pub(crate) facing: f64,
     /// Flag: the point lies on the extension of the face beyond its rim, and is not the nearest point of the surface.
-    pub(crate) carried: bool,
+    pub(crate) extended: bool,
 }
 
 impl ClosestPoint {
     /// Creates a closest point from known values.
     pub(crate) fn at(face: usize, l: [f64; 3], gap: f64, normal: DVec3) -> Self {
-        Self { face, l, gap, normal, facing: 1.0, carried: false }
+        Self { face, l, gap, normal, facing: 1.0, extended: false }
     }
 
     /// Returns this closest point for a query point on the other side.
@@ -39,16 +39,16 @@ impl ClosestPoint {
 pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> ClosestPoint {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = clamp_to_triangle(project_flat(a, b, c, y), a, b, c, y);
-    if folded(face, x) {
+    if is_folded(face, x) {
         l = folds::closest(face, x, y);
     } else if face.mids.is_some() {
         for _ in 0..6 {
             let Some((s, t)) = gauss_newton(face, x, l, y) else { break };
             let mut next = [l[0] - s - t, l[1] + s, l[2] + t];
             if next.iter().any(|v| *v < 0.0) {
-                let at = restrict(next);
+                let at = clip_to_triangle(next);
                 let k = (0..3).min_by(|a, b| at[*a].total_cmp(&at[*b])).unwrap_or(0);
-                next = along_rim(face, x, at, k, y);
+                next = step_on_edge(face, x, at, k, y);
             }
             let moved = (next[1] - l[1]).abs() + (next[2] - l[2]).abs();
             l = next;
@@ -58,9 +58,9 @@ pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -
         }
         // On a curved edge, steps over the face do not settle: the last iterations run along the edge.
         if let Some(k) = (0..3).find(|k| l[*k] <= 0.0) {
-            l = along_edge(face, x, k, y, l);
+            l = minimise_on_edge(face, x, k, y, l);
         }
-        if !settled(face, x, l, y) {
+        if !is_minimum(face, x, l, y) {
             l = folds::closest(face, x, y);
         }
     }
@@ -74,29 +74,30 @@ pub(crate) fn on_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -
     let normal = if interior || face.touches(x, distance) { face_normal } else { away * (side / distance) };
     let gap = if interior { away.dot(face_normal) } else { side * distance };
     let facing = if interior || distance == 0.0 { 1.0 } else { away.dot(face_normal).abs() / distance };
-    ClosestPoint { face: index, l, gap, normal, facing, carried: false }
+    ClosestPoint { face: index, l, gap, normal, facing, extended: false }
 }
 
 /// Sagitta of an edge over its chord above which a face is folded: the tangents at its ends then differ by about 70
 /// degrees.
-const FOLDED: f64 = 0.15;
+const FOLDED_SAGITTA_RATIO: f64 = 0.15;
 /// Largest sine of the angle between the normal of the face and the direction to a converged closest point.
-const ASKEW: f64 = 1e-3;
+const LARGEST_NORMAL_SINE: f64 = 1e-3;
 
 /// Returns true if the face is curved so much that the distance to a point may have several minima on it.
-fn folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
+fn is_folded(face: &SurfaceFace, x: &[DVec3]) -> bool {
     let Some(mids) = face.mids else { return false };
     (0..3).any(|k| {
         let [a, b] = [k, (k + 1) % 3].map(|i| x[face.corners[i] as usize]);
-        x[mids[k] as usize].distance_squared((a + b) * 0.5) > FOLDED * FOLDED * a.distance_squared(b)
+        x[mids[k] as usize].distance_squared((a + b) * 0.5)
+            > FOLDED_SAGITTA_RATIO * FOLDED_SAGITTA_RATIO * a.distance_squared(b)
     })
 }
 
 /// Returns true if no point of the face in the vicinity of `l` is nearer to `y`.
-fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
+fn is_minimum(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
     let (p, d1, d2) = tangents(face, x, l);
     let away = y - p;
-    let reach = ASKEW * away.length();
+    let reach = LARGEST_NORMAL_SINE * away.length();
     // No direction along the three edges that stays within the face may reduce the distance.
     let along = [d1, d2 - d1, -d2];
     (0..3).all(|k| {
@@ -107,13 +108,13 @@ fn settled(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> bool {
 }
 
 /// Extension of a face beyond its rim, in barycentric coordinates.
-const BEYOND: f64 = 0.05;
+const FACE_EXTENSION: f64 = 0.05;
 
 /// The closest point of `y` on a face extended beyond its rim; None if it lies beyond the extension.
-pub(crate) fn carried_on(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> Option<ClosestPoint> {
+pub(crate) fn on_extended_face(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3) -> Option<ClosestPoint> {
     let [a, b, c] = face.corners.map(|n| x[n as usize]);
     let mut l = project_flat(a, b, c, y);
-    let near = |l: &[f64; 3]| l.iter().all(|v| *v > -BEYOND);
+    let near = |l: &[f64; 3]| l.iter().all(|v| *v > -FACE_EXTENSION);
     if face.mids.is_some() {
         l = clamp_to_triangle(l, a, b, c, y);
         for _ in 0..6 {
@@ -125,7 +126,7 @@ pub(crate) fn carried_on(index: usize, face: &SurfaceFace, x: &[DVec3], y: DVec3
         }
     }
     let (p, normal) = face_frame(face, x, l);
-    near(&l).then(|| ClosestPoint { carried: true, ..ClosestPoint::at(index, l, (y - p).dot(normal), normal) })
+    near(&l).then(|| ClosestPoint { extended: true, ..ClosestPoint::at(index, l, (y - p).dot(normal), normal) })
 }
 
 /// Gauss-Newton step of `l1` and `l2` towards the closest point of `y`; None if the face is degenerate.
@@ -138,7 +139,7 @@ fn gauss_newton(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], y: DVec3) -> Optio
 }
 
 /// One Gauss-Newton step along the edge opposite to corner `k`, on which `l` lies.
-fn along_rim(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
+fn step_on_edge(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -> [f64; 3] {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let (p, d1, d2) = tangents(face, x, l);
     let d = [DVec3::ZERO, d1, d2];
@@ -153,13 +154,13 @@ fn along_rim(face: &SurfaceFace, x: &[DVec3], l: [f64; 3], k: usize, y: DVec3) -
 pub(crate) fn on_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3) -> [f64; 3] {
     let mut middle = [0.5; 3];
     middle[k] = 0.0;
-    along_edge(face, x, k, y, middle)
+    minimise_on_edge(face, x, k, y, middle)
 }
 
 /// Coordinates of the same point, found by iteration from a point `l` on the edge.
-fn along_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
+fn minimise_on_edge(face: &SurfaceFace, x: &[DVec3], k: usize, y: DVec3, mut l: [f64; 3]) -> [f64; 3] {
     for _ in 0..8 {
-        let next = along_rim(face, x, l, k, y);
+        let next = step_on_edge(face, x, l, k, y);
         let moved = (0..3).map(|i| (next[i] - l[i]).abs()).fold(0.0, f64::max);
         l = next;
         if moved < 1e-12 {
@@ -200,7 +201,7 @@ pub(crate) fn clamp_to_triangle(l: [f64; 3], a: DVec3, b: DVec3, c: DVec3, y: DV
 }
 
 /// Sets negative coordinates to zero and restores the sum of one.
-fn restrict(l: [f64; 3]) -> [f64; 3] {
+fn clip_to_triangle(l: [f64; 3]) -> [f64; 3] {
     let l = l.map(|v| v.max(0.0));
     let sum: f64 = l.iter().sum();
     if sum > 0.0 { l.map(|v| v / sum) } else { [1.0, 0.0, 0.0] }

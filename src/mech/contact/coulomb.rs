@@ -11,7 +11,7 @@ pub fn slips(size: f64, limit: f64) -> bool {
 
 /// Returns the factor by which the projection onto the friction cone scales a tangential force of this `size`.
 #[inline(always)]
-pub fn kept(size: f64, limit: f64) -> f64 {
+pub fn cone_factor(size: f64, limit: f64) -> f64 {
     if slips(size, limit) { limit / size } else { 1.0 }
 }
 
@@ -34,10 +34,10 @@ mod tests {
     fn a_force_is_projected_onto_the_cone() {
         let (along, used) = tangential(DVec3::new(8.0, 0.0, 10.0), DVec3::Z, 0.5);
         assert_eq!((along, used), (DVec3::X * 8.0, 1.6));
-        let left = along * kept(along.length(), 5.0);
+        let left = along * cone_factor(along.length(), 5.0);
         assert!((left.length() - 5.0).abs() < 1e-12, "{left} N");
         assert!(slips(left.length(), 5.0));
-        assert_eq!(kept(3.0, 5.0), 1.0);
+        assert_eq!(cone_factor(3.0, 5.0), 1.0);
         assert_eq!(tangential(DVec3::X - DVec3::Z, DVec3::Z, 0.5).1, f64::INFINITY);
     }
 }

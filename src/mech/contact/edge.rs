@@ -15,8 +15,8 @@ impl EdgeState {
         traction: DVec3::ZERO,
         slips: false,
         anchor: None,
-        clear: None,
-        share: 1.0,
+        initial_gap: None,
+        active_fraction: 1.0,
         scale: 1.0,
     };
 
@@ -31,8 +31,8 @@ impl EdgeState {
 
     /// Active fraction: part of the straight motion since the start of the increment during which the point has been in
     /// contact.
-    pub fn past_touch(&self, offset: f64) -> f64 {
-        match self.clear {
+    pub fn current_active_fraction(&self, offset: f64) -> f64 {
+        match self.initial_gap {
             Some(clear) if clear > offset && self.gap < offset => (offset - self.gap) / (clear - self.gap),
             Some(clear) if clear > offset => 0.0,
             _ => 1.0,
@@ -42,7 +42,7 @@ impl EdgeState {
     /// Friction energy per area under `law`, J/m2, at tangential displacement `s` (m) from the sticking point and fixed
     /// limit.
     pub fn friction_energy(&self, law: &ContactLaw, s: DVec3) -> f64 {
-        law.with_active_fraction(self.share).friction_energy(s, self.limit)
+        law.with_active_fraction(self.active_fraction).friction_energy(s, self.limit)
     }
 
     /// Sticking point, if friction acts.
@@ -51,12 +51,12 @@ impl EdgeState {
     }
 
     /// Returns this edge with the pressure at one of its contact points, at `gap` (m) along `normal`.
-    pub fn on(&self, law: &ContactLaw, gap: f64, normal: DVec3) -> Self {
+    pub fn at_contact_point(&self, law: &ContactLaw, gap: f64, normal: DVec3) -> Self {
         Self { gap, normal, pressure: law.pressure(gap, self.scale).0, ..*self }
     }
 
     /// Sets pressure and normal from the contact points: gap (m), normal and weight of each, the nearest first.
-    pub fn press(&mut self, law: &ContactLaw, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
+    pub fn set_pressure(&mut self, law: &ContactLaw, mut places: impl Iterator<Item = (f64, DVec3, f64)>) {
         let Some((gap, normal, _)) = places.next() else {
             (self.gap, self.pressure) = (f64::INFINITY, 0.0);
             return;
@@ -71,13 +71,13 @@ impl EdgeState {
     }
 
     /// Sets the friction limit to `friction` times the pressure and the normal of the friction plane to the current one
-    /// if they are to `follow`; a plane not yet set is always set. Returns the lag of the limit, Pa.
-    pub fn set_limit(&mut self, friction: f64, follow: bool) -> f64 {
-        if follow || self.plane == DVec3::ZERO {
+    /// if it is to `update_friction`; a plane not yet set is always set. Returns the lag of the limit, Pa.
+    pub fn set_limit(&mut self, friction: f64, update_friction: bool) -> f64 {
+        if update_friction || self.plane == DVec3::ZERO {
             self.plane = self.normal;
         }
         let goal = friction * self.pressure;
-        self.limit = if follow { goal } else { self.limit };
+        self.limit = if update_friction { goal } else { self.limit };
         (goal - self.limit).abs()
     }
 }

@@ -5,28 +5,28 @@ use geometry::triangle6;
 use glam::DVec3;
 
 /// Maximum number of iterations from one start.
-const ITERATIONS: u32 = 30;
+const MAX_NEWTON_ITERATIONS: u32 = 30;
 /// Change of the coordinates below which the iterations stop.
-const STILL: f64 = 1e-13;
+const SMALLEST_COORDINATE_CHANGE: f64 = 1e-13;
 /// Starting points of the search over the face, and along an edge.
-const OVER: [[f64; 3]; 4] = [
+const FACE_STARTS: [[f64; 3]; 4] = [
     [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
     [1.0 / 3.0; 3],
 ];
-const ALONG: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
+const EDGE_STARTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// Barycentric coordinates of the nearest of all local minima that Newton's method finds on `face` from several
 /// starting points.
 pub(crate) fn closest(face: &SurfaceFace, x: &[DVec3], y: DVec3) -> [f64; 3] {
-    let over = OVER.into_iter().map(|l| inside(face, x, y, l));
-    let along = (0..3).flat_map(|k| ALONG.map(|t| along(face, x, y, k, t)));
+    let over = FACE_STARTS.into_iter().map(|l| minimise_on_face(face, x, y, l));
+    let along = (0..3).flat_map(|k| EDGE_STARTS.map(|t| minimise_on_edge(face, x, y, k, t)));
     let corners = (0..3).map(|k| {
         let l = std::array::from_fn(|i| f64::from(u8::from(i == k)));
         (l, distance_squared(face, x, y, l))
     });
-    over.chain(along).chain(corners).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(OVER[3], |(l, _)| l)
+    over.chain(along).chain(corners).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(FACE_STARTS[3], |(l, _)| l)
 }
 
 fn distance_squared(face: &SurfaceFace, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f64 {
@@ -35,10 +35,10 @@ fn distance_squared(face: &SurfaceFace, x: &[DVec3], y: DVec3, l: [f64; 3]) -> f
 
 /// Minimises the squared distance over the face from `l`; moves along the rim where the search would leave the face.
 /// Returns the coordinates and that distance.
-fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
-    let [d11, d12, d22] = bends(face, x);
+fn minimise_on_face(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 3], f64) {
+    let [d11, d12, d22] = second_derivatives(face, x);
     let mut far = distance_squared(face, x, y, l);
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_NEWTON_ITERATIONS {
         let (p, d1, d2) = tangents(face, x, l);
         let away = y - p;
         let (r1, r2) = (d1.dot(away), d2.dot(away));
@@ -61,7 +61,7 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
         }
         // At most up to the rim.
         let most = (0..3).filter(|k| step[*k] < 0.0).map(|k| l[k] / -step[k]).fold(1.0, f64::min);
-        let Some((next, nearer)) = shorten(most, far, |alpha| {
+        let Some((next, nearer)) = backtrack(most, far, |alpha| {
             let next: [f64; 3] = std::array::from_fn(|k| {
                 let v = l[k] + alpha * step[k];
                 if v > ON_RIM { v } else { 0.0 }
@@ -72,7 +72,7 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
         };
         let moved = (next[1] - l[1]).abs() + (next[2] - l[2]).abs();
         (l, far) = (next, nearer);
-        if moved < STILL {
+        if moved < SMALLEST_COORDINATE_CHANGE {
             break;
         }
     }
@@ -80,28 +80,29 @@ fn inside(face: &SurfaceFace, x: &[DVec3], y: DVec3, mut l: [f64; 3]) -> ([f64; 
 }
 
 /// Minimises the squared distance along the edge opposite to corner `k`, from the fraction `t` of its length.
-fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
+fn minimise_on_edge(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f64; 3], f64) {
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let at = |t: f64| {
         let mut l = [0.0; 3];
         (l[i], l[j]) = (1.0 - t, t);
         l
     };
-    let [d11, d12, d22] = bends(face, x);
+    let [d11, d12, d22] = second_derivatives(face, x);
     let bend = [d11 + d22 - d12 * 2.0, d22, d11][k];
     let mut far = distance_squared(face, x, y, at(t));
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_NEWTON_ITERATIONS {
         let (p, d1, d2) = tangents(face, x, at(t));
         let tangent = [d2 - d1, -d2, d1][k];
         let away = y - p;
         let (slope, flat) = (tangent.dot(away), tangent.length_squared());
         let bent = flat - away.dot(bend);
         let step = (slope / if bent > 0.0 { bent } else { flat }).clamp(-t, 1.0 - t);
-        let shorter = shorten(1.0, far, |alpha| (t + alpha * step, distance_squared(face, x, y, at(t + alpha * step))));
+        let shorter =
+            backtrack(1.0, far, |alpha| (t + alpha * step, distance_squared(face, x, y, at(t + alpha * step))));
         let Some((next, nearer)) = shorter else { break };
         let moved = (next - t).abs();
         (t, far) = (next, nearer);
-        if moved < STILL {
+        if moved < SMALLEST_COORDINATE_CHANGE {
             break;
         }
     }
@@ -109,7 +110,7 @@ fn along(face: &SurfaceFace, x: &[DVec3], y: DVec3, k: usize, mut t: f64) -> ([f
 }
 
 /// Halves the step `alpha` until the squared distance is below `far`; returns the result with that distance, or None.
-fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Option<(T, f64)> {
+fn backtrack<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Option<(T, f64)> {
     for _ in 0..12 {
         let (next, nearer) = step(alpha);
         if nearer < far {
@@ -121,6 +122,6 @@ fn shorten<T>(mut alpha: f64, far: f64, step: impl Fn(f64) -> (T, f64)) -> Optio
 }
 
 /// Second derivatives of the position in `l1 l1`, `l1 l2` and `l2 l2`, constant on a face.
-pub(crate) fn bends(face: &SurfaceFace, x: &[DVec3]) -> [DVec3; 3] {
+pub(crate) fn second_derivatives(face: &SurfaceFace, x: &[DVec3]) -> [DVec3; 3] {
     face.six_nodes(x).map_or([DVec3::ZERO; 3], |nodes| triangle6::second_derivatives(&nodes))
 }

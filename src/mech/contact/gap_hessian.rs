@@ -13,20 +13,20 @@
 //! (second variation of a minimum: the Hessian minus the part that the sliding of the closest point relaxes).
 
 use super::closest_point::ClosestPoint;
-use super::folds::bends;
+use super::folds::second_derivatives;
 use super::surface::{ON_RIM, SurfaceFace, tangents};
 use crate::potential::block::Form;
 use glam::{DMat2, DVec2, DVec3};
 
 /// Second derivatives of the energy of a pressure force `p` (N) on the pad due to this curvature; `None` on the rim of
 /// the face, where the closest point does not slide, and beyond the centre of curvature.
-pub(crate) fn bend(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint, p: f64) -> Option<Form<4>> {
+pub(crate) fn curvature_form(face: &SurfaceFace, x: &[DVec3], closest_point: &ClosestPoint, p: f64) -> Option<Form<4>> {
     if closest_point.l.iter().any(|v| v.abs() <= ON_RIM) {
         return None;
     }
     let (n, gap) = (closest_point.normal, closest_point.gap);
     let (_, d1, d2) = tangents(face, x, closest_point.l);
-    let [b11, b12, b22] = bends(face, x).map(|d| d.dot(n));
+    let [b11, b12, b22] = second_derivatives(face, x).map(|d| d.dot(n));
     let metric = symmetric(d1.dot(d1), d1.dot(d2), d2.dot(d2));
     let bent = symmetric(b11, b12, b22);
     let slid = metric - bent * gap;

@@ -2,7 +2,7 @@
 
 use super::edge::EdgeState;
 use super::law::ContactLaw;
-use super::pair::{feature_pair, friction_pair, slip};
+use super::pair::{friction_pair, slip, vertex_pair};
 use super::pool::EdgePool;
 use crate::potential::block::{Pair, RigidBlock};
 use crate::potential::state::{ObjectIncrement, ObjectView};
@@ -49,7 +49,7 @@ impl GroundContact {
     }
 
     /// Begins a time step.
-    pub fn begin(&mut self, step: &TimeStep) {
+    pub fn begin_step(&mut self, step: &TimeStep) {
         self.hand = step.hand;
     }
 
@@ -84,20 +84,26 @@ impl GroundContact {
     }
 
     /// Updates gap, force and friction of edge `i`; returns the lag of its friction, N.
-    fn update(&mut self, i: usize, view: &ObjectView, follow: bool) -> f64 {
+    fn update(&mut self, i: usize, view: &ObjectView, update_friction: bool) -> f64 {
         let arm = view.rotation * self.vertices[i];
         let gap = self.gap(self.hand.transform(view.position + arm));
         let (law, last) = (self.pool.law, self.last[i]);
         // The outward normal of the object is the inward one of the ground.
         let normal = -(self.hand.rotation.conjugate() * self.normal);
-        let Some(lag) = self.pool.press(i, &law, follow, iter::once((gap, normal, 1.0))) else { return 0.0 };
+        let Some(lag) = self.pool.set_pressure(i, &law, update_friction, iter::once((gap, normal, 1.0))) else {
+            return 0.0;
+        };
         if self.pool.made_contact(i) {
             let clear = self.gap(last);
-            self.pool.touch(i, &law, last, || clear);
+            self.pool.record_contact(i, &law, last, || clear);
         }
         let anchor = self.pool.edge(i).anchor.unwrap_or(last);
-        let behind =
-            self.pool.update_traction(i, &law, follow, self.hand.inverse_transform(anchor) - view.position - arm);
+        let behind = self.pool.update_traction(
+            i,
+            &law,
+            update_friction,
+            self.hand.inverse_transform(anchor) - view.position - arm,
+        );
         lag.hypot(behind)
     }
 }
@@ -118,11 +124,11 @@ impl ObjectTerm for GroundContact {
 
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock) {
         for i in 0..self.vertices.len() {
-            block.lag += self.update(i, view, how.follow).powi(2);
+            block.lag += self.update(i, view, how.update_friction).powi(2);
             let e = *self.pool.edge(i);
             let arm = view.rotation * self.vertices[i];
             if e.pressure > 0.0 {
-                block.add_object_pair(view, &feature_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, how.project));
+                block.add_object_pair(view, &vertex_pair(&self.pool.law, &e, 1.0, arm, &DMat3::ZERO, how.project));
             }
             if let Some(anchor) = e.sticking_point() {
                 let s = self.hand.inverse_transform(anchor) - view.position - arm;
@@ -136,7 +142,7 @@ impl ObjectTerm for GroundContact {
         self.vertices.iter().map(gap).fold(f64::INFINITY, f64::min) - 0.5 * self.pool.law.offset
     }
 
-    fn couple(&self, view: &ObjectView, motion: &ObjectIncrement, change: &mut RigidBlock) {
+    fn add_nonsymmetric_change(&self, view: &ObjectView, motion: &ObjectIncrement, change: &mut RigidBlock) {
         for (i, v) in self.vertices.iter().enumerate().filter(|(i, _)| self.pool.edge(*i).sticking_point().is_some()) {
             let r = view.rotation * *v;
             let away = -motion.position - motion.rotation.cross(r);
@@ -158,9 +164,9 @@ impl ObjectTerm for GroundContact {
         self.pool.rollback();
     }
 
-    fn satisfied(&mut self) -> bool {
-        let least = self.pool.law.least();
-        self.pool.satisfied(|_| least)
+    fn enforce_constraints(&mut self) -> bool {
+        let least = self.pool.law.smallest_gap();
+        self.pool.stiffen_penetrating(|_| least)
     }
 
     fn save_state(&self, history: &mut StateWriter) {

@@ -5,8 +5,8 @@
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
 //! none (see [`TriangleAdjacency::beside`](geometry::mesh::rings::TriangleAdjacency::beside)).
 
-use super::closest_point::{ClosestPoint, carried_on, on_edge, on_face};
-use super::project::FaceBounds;
+use super::closest_point::{ClosestPoint, on_edge, on_extended_face, on_face};
+use super::face_bounds::FaceBounds;
 use super::surface::{ContactSurface, ON_RIM};
 use base::scales::FACE_HYSTERESIS;
 use geometry::mesh::rings::{SurfacePart, TrianglePart, TrianglePosition};
@@ -35,41 +35,41 @@ impl ClosestPoint {
 }
 
 /// Cosine of the angle between faces above which a fold is shallow (15 degrees).
-const SHALLOW: f64 = 0.966;
+const SHALLOW_FOLD_COSINE: f64 = 0.966;
 /// The same if one face was used last (18 degrees), and if the whole fold was (12 degrees): the choice does not
 /// oscillate.
-const SHALLOW_STILL: f64 = 0.951;
-const SHALLOW_AGAIN: f64 = 0.978;
+const SINGLE_FACE_COSINE: f64 = 0.951;
+const ALL_FACES_COSINE: f64 = 0.978;
 /// The same while the choice of one face is kept (30 degrees).
-const NOT_SHALLOW: f64 = 0.866;
+const KEPT_FACE_COSINE: f64 = 0.866;
 /// Contact of a vertex at the last assembly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LastContact {
     /// Nearest face.
     pub face: usize,
     /// Flag: the face was extended beyond its rim.
-    pub carried: bool,
+    pub extended: bool,
     /// Flag: other faces were used in addition to it.
     pub folded: bool,
     /// Flag: the choice of faces is kept, so that the energy along a line has no jumps; else it is made again, with
     /// hysteresis.
-    pub stays: bool,
+    pub keeps_faces: bool,
 }
 
 impl LastContact {
     /// Cosine of the angle between faces above which a fold is shallow.
-    fn shallow(self) -> f64 {
-        match (self.stays, self.folded) {
-            (false, false) => SHALLOW_STILL,
-            (false, true) => SHALLOW_AGAIN,
-            (true, false) => NOT_SHALLOW,
+    fn shallow_fold_cosine(self) -> f64 {
+        match (self.keeps_faces, self.folded) {
+            (false, false) => SINGLE_FACE_COSINE,
+            (false, true) => ALL_FACES_COSINE,
+            (true, false) => KEPT_FACE_COSINE,
             (true, true) => f64::INFINITY,
         }
     }
 
     /// Difference of distances up to which the face is kept at a shallow fold, m, for contact with this `offset` (m).
-    fn kept(self, offset: f64) -> f64 {
-        match (self.stays, self.carried) {
+    fn face_hysteresis(self, offset: f64) -> f64 {
+        match (self.keeps_faces, self.extended) {
             (false, _) => FACE_HYSTERESIS * offset,
             (true, true) => f64::INFINITY,
             (true, false) => 0.0,
@@ -98,12 +98,12 @@ impl FaceBounds {
             return vec![(nearest, 1.0, DMat3::ZERO)];
         }
         let others = self.beside(surface, x, y, reach, &nearest);
-        let least = last.map_or(SHALLOW, LastContact::shallow);
+        let least = last.map_or(SHALLOW_FOLD_COSINE, LastContact::shallow_fold_cosine);
         let shallow = |closest_point: &ClosestPoint| closest_point.normal.dot(nearest.normal) > least;
         if others.iter().all(|(closest_point, ..)| shallow(closest_point)) {
             let kept = last.and_then(|last| {
-                let closest_point = carried_on(last.face, &surface.faces[last.face], x, y)?;
-                (shallow(&closest_point) && (closest_point.gap - nearest.gap).abs() < last.kept(self.offset))
+                let closest_point = on_extended_face(last.face, &surface.faces[last.face], x, y)?;
+                (shallow(&closest_point) && (closest_point.gap - nearest.gap).abs() < last.face_hysteresis(self.offset))
                     .then_some(closest_point)
             });
             return vec![(kept.unwrap_or(nearest), 1.0, DMat3::ZERO)];

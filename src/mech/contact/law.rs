@@ -8,7 +8,7 @@
 //! increments. Since travel counts from the contact of the offset surfaces, the offset acts as an equal increase of the
 //! radius.
 
-use super::coulomb::{kept, slips};
+use super::coulomb::{cone_factor, slips};
 use base::scales::CONTACT_STIFFNESS;
 use glam::DVec3;
 
@@ -30,9 +30,9 @@ const STIFFER_BRANCH: f64 = 0.25;
 /// Reduced contact offset over the full one.
 const REDUCED_OFFSET: f64 = 0.3;
 /// Smallest gap of an accepted state, as a fraction of the offset.
-const LEAST: f64 = 0.02;
+const SMALLEST_GAP: f64 = 0.02;
 /// Stiffness of the stiffer branch over that of the law.
-const STIFFENING: f64 = 30.0;
+const STIFFER_BRANCH_RATIO: f64 = 30.0;
 
 impl ContactLaw {
     /// Creates the law for a gel of Young's modulus `young` (Pa) sampled every `spacing` (m) with Coulomb coefficient
@@ -50,14 +50,14 @@ impl ContactLaw {
         Self { offset: REDUCED_OFFSET * self.offset, ..*self }
     }
 
-    /// Returns this law for a point with the active fraction `share`: its tangential stiffness is multiplied by it.
-    pub fn with_active_fraction(&self, share: f64) -> Self {
-        Self { tangential: share * self.tangential, ..*self }
+    /// Returns this law for a point with this `active_fraction`: its tangential stiffness is multiplied by it.
+    pub fn with_active_fraction(&self, active_fraction: f64) -> Self {
+        Self { tangential: active_fraction * self.tangential, ..*self }
     }
 
     /// Smallest gap of an accepted state, m.
-    pub fn least(&self) -> f64 {
-        LEAST * self.offset
+    pub fn smallest_gap(&self) -> f64 {
+        SMALLEST_GAP * self.offset
     }
 
     /// Pressure (Pa) and minus its derivative in the gap (Pa/m). `scale` multiplies the stiffness of a single edge.
@@ -71,7 +71,7 @@ impl ContactLaw {
         } else if hard <= 0.0 {
             (k * closed, k)
         } else {
-            (k * (closed + (STIFFENING - 1.0) * hard), STIFFENING * k)
+            (k * (closed + (STIFFER_BRANCH_RATIO - 1.0) * hard), STIFFER_BRANCH_RATIO * k)
         }
     }
 
@@ -80,7 +80,7 @@ impl ContactLaw {
     pub fn normal_energy(&self, gap: f64, scale: f64) -> f64 {
         let closed = (self.offset - gap).max(0.0);
         let hard = (STIFFER_BRANCH * self.offset - gap).max(0.0);
-        0.5 * self.stiffness * scale * (closed * closed + (STIFFENING - 1.0) * hard * hard)
+        0.5 * self.stiffness * scale * (closed * closed + (STIFFER_BRANCH_RATIO - 1.0) * hard * hard)
     }
 
     /// Friction traction on the pad (Pa) at tangential displacement `s` (m) from the sticking point, for the limit
@@ -89,7 +89,7 @@ impl ContactLaw {
     pub fn traction(&self, s: DVec3, limit: f64) -> (DVec3, bool) {
         let trial = s * -self.tangential;
         let size = trial.length();
-        (trial * kept(size, limit), slips(size, limit))
+        (trial * cone_factor(size, limit), slips(size, limit))
     }
 
     /// Friction energy per area, J/m2, at fixed `limit`; its gradient in `s` is minus the traction.

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 /// Largest motion of a point of a quadratic face over that of its nodes: the maximum of the sum of its shape functions'
 /// magnitudes.
-pub(crate) const BULGE: f64 = 5.0 / 3.0;
+pub(crate) const QUADRATIC_MOTION_RATIO: f64 = 5.0 / 3.0;
 
 /// Indices of the points that were near at an earlier state.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(crate) struct Nearby {
+pub(crate) struct NearbyList {
     /// Indices, ascending.
     pub list: Vec<usize>,
     /// Node positions when the list was built, m; empty before.
@@ -22,7 +22,7 @@ pub(crate) struct Nearby {
     pub radius: f64,
 }
 
-impl Nearby {
+impl NearbyList {
     /// Creates the list of the ascending indices `list` under `view`; no point is farther than `radius` (m) from the
     /// origin of the object.
     pub fn new(list: Vec<usize>, view: &BodyView, radius: f64) -> Self {
@@ -35,12 +35,12 @@ impl Nearby {
         let ((place, turn), (then, turned)) = (object(view), self.object);
         let turn = turn - turned;
         let turn = [turn.x_axis, turn.y_axis, turn.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
-        BULGE * motion(&self.x, view.x) + place.distance(then) + turn * self.radius
+        QUADRATIC_MOTION_RATIO * largest_node_motion(&self.x, view.x) + place.distance(then) + turn * self.radius
     }
 }
 
 /// Largest distance between two positions of a node, m; `+inf` if the meshes differ.
-pub(crate) fn motion(before: &[DVec3], x: &[DVec3]) -> f64 {
+pub(crate) fn largest_node_motion(before: &[DVec3], x: &[DVec3]) -> f64 {
     if before.len() != x.len() {
         return f64::INFINITY;
     }

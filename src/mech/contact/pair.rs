@@ -25,7 +25,7 @@ pub(crate) fn normal_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, 
 
 /// Derivatives of the normal energy for a contact vertex of the object against a pad, whose normal does not rotate with
 /// the object: with `r` the arm of the vertex, `g = n.(delta - w x r - w x (w x r) / 2) + u.H u / 2`.
-pub(crate) fn feature_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
+pub(crate) fn vertex_pair(law: &ContactLaw, e: &EdgeState, area: f64, r: DVec3, h: &DMat3, project: bool) -> Pair {
     let mut pair = normal_pair(law, e, area, r, &DMat3::ZERO, true);
     if !project {
         let (p, arm) = (e.pressure * area, cross_matrix(r));
@@ -49,7 +49,7 @@ pub(crate) fn project_weighted(pair: Pair, weight: f64, project: bool) -> Pair {
 /// sticking point, `r` the arm of the object's point.
 pub(crate) fn friction_pair(law: &ContactLaw, e: &EdgeState, area: f64, s: DVec3, r: DVec3, how: Assembly) -> Pair {
     let n = e.plane;
-    let (a, b) = law.with_active_fraction(e.share).friction_hessian(slip(s, n), e.limit, how.secant);
+    let (a, b) = law.with_active_fraction(e.active_fraction).friction_hessian(slip(s, n), e.limit, how.secant);
     let t = e.traction.normalize_or_zero();
     let d = ((DMat3::IDENTITY - outer(n, n)) * a - outer(t, t) * b) * area;
     let force = e.traction * -area;

@@ -1,6 +1,6 @@
 //! Points of a pad that can touch the object, and bounds of their distances to it.
 
-use super::nearby::Nearby;
+use super::nearby::NearbyList;
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
 use crate::potential::stencil::Stencil;
@@ -38,7 +38,7 @@ pub(crate) fn locate(stencil: &Stencil, view: &BodyView) -> (DVec3, DVec3) {
 pub(crate) struct PointList {
     /// Distances of all points when the list was last built, or before.
     all: Arc<Vec<DistanceBound>>,
-    nearby: Arc<Nearby>,
+    nearby: Arc<NearbyList>,
     /// Distances of the listed points at their last queries.
     listed: Vec<DistanceBound>,
     /// Contact offset, m.
@@ -58,13 +58,13 @@ impl PointList {
     }
 
     /// Lower bound of the distance of the points that are not listed, under `view`, m; `-inf` if it is unknown.
-    fn others(&self, view: &BodyView) -> f64 {
+    fn unlisted_bound(&self, view: &BodyView) -> f64 {
         POINT_LIST_RADIUS * self.offset - self.nearby.moved(view)
     }
 
     /// Returns true if no point that is not listed can touch under `view`.
-    fn holds(&self, view: &BodyView) -> bool {
-        self.others(view) >= self.offset
+    fn is_valid(&self, view: &BodyView) -> bool {
+        self.unlisted_bound(view) >= self.offset
     }
 
     /// Returns the smallest distance that `nearest` finds among the points passed to it: the listed points, or all
@@ -75,12 +75,12 @@ impl PointList {
         nearest: impl Fn(&mut dyn Iterator<Item = (usize, DistanceBound)>) -> f64,
     ) -> f64 {
         let listed = nearest(&mut (0..self.listed.len()).map(|k| self.get(k)));
-        let found = listed <= self.others(view);
+        let found = listed <= self.unlisted_bound(view);
         if found { listed } else { nearest(&mut self.all.iter().copied().enumerate()) }
     }
 
     /// Indices of the listed points, ascending.
-    pub fn numbers(&self) -> &[usize] {
+    pub fn indices(&self) -> &[usize] {
         &self.nearby.list
     }
 
@@ -90,13 +90,13 @@ impl PointList {
     }
 
     /// Stores the distance of listed point `k`.
-    pub fn note(&mut self, k: usize, seen: DistanceBound) {
+    pub fn store_bound(&mut self, k: usize, seen: DistanceBound) {
         self.listed[k] = seen;
     }
 
     /// Points that can touch under `view`, ascending: those listed, or all if pad or object have moved too far since.
     pub fn points(&self, view: &BodyView) -> impl Iterator<Item = (usize, DistanceBound)> + '_ {
-        let known = self.holds(view);
+        let known = self.is_valid(view);
         let count = if known { self.listed.len() } else { self.all.len() };
         (0..count).map(move |k| if known { self.get(k) } else { (k, self.all[k]) })
     }
@@ -110,7 +110,7 @@ impl PointList {
         view: &BodyView,
         matter: impl Fn(usize) -> bool,
     ) {
-        if self.holds(view) {
+        if self.is_valid(view) {
             return;
         }
         let (reach, far) = (POINT_LIST_RADIUS * self.offset, EXACT_GAP_RADIUS * self.offset);
@@ -128,6 +128,6 @@ impl PointList {
         }
         let list: Vec<usize> = (0..near.len()).filter(|i| near[*i]).collect();
         self.listed = list.iter().map(|i| all[*i]).collect();
-        self.nearby = Arc::new(Nearby::new(list, view, radius));
+        self.nearby = Arc::new(NearbyList::new(list, view, radius));
     }
 }

@@ -5,7 +5,7 @@ use super::law::ContactLaw;
 use super::pair::slip;
 use base::error::{Error, Result};
 use base::saved_state::{StateReader, StateWriter};
-use base::scales::NO_FRICTION;
+use base::scales::NEGLIGIBLE_FRICTION;
 use glam::DVec3;
 
 /// Edges of one contact term, current and last accepted. Only points near a surface have an edge, a few hundred out of
@@ -25,18 +25,18 @@ pub(crate) struct EdgePool {
 }
 
 /// Slot of a point without an edge.
-const NOWHERE: u32 = u32::MAX;
+const NO_EDGE: u32 = u32::MAX;
 
 impl EdgePool {
     /// Creates `count` open edges.
     pub fn new(law: ContactLaw, count: usize) -> Self {
-        let slot = vec![NOWHERE; count];
+        let slot = vec![NO_EDGE; count];
         Self {
             near: Vec::new(),
             slot,
             committed: Vec::new(),
             law,
-            negligible: NO_FRICTION * law.stiffness * law.offset,
+            negligible: NEGLIGIBLE_FRICTION * law.stiffness * law.offset,
         }
     }
 
@@ -48,12 +48,12 @@ impl EdgePool {
 
     /// Returns true if point `i` has an edge.
     pub fn has(&self, i: usize) -> bool {
-        self.slot[i] != NOWHERE
+        self.slot[i] != NO_EDGE
     }
 
     /// Mutable edge of point `i`.
     pub fn edge_mut(&mut self, i: usize) -> &mut EdgeState {
-        if self.slot[i] == NOWHERE {
+        if self.slot[i] == NO_EDGE {
             self.slot[i] = self.near.len() as u32;
             self.near.push((i, EdgeState::OPEN));
         }
@@ -77,10 +77,10 @@ impl EdgePool {
         for (i, e) in &mut self.near {
             if e.pressure <= 0.0 {
                 e.anchor = None;
-            } else if e.slips || e.share < 1.0 {
+            } else if e.slips || e.active_fraction < 1.0 {
                 e.anchor = Some(dragged(*i, e));
             }
-            (e.clear, e.share) = (None, 1.0);
+            (e.initial_gap, e.active_fraction) = (None, 1.0);
         }
         self.sort();
         self.committed.clone_from(&self.near);
@@ -89,22 +89,22 @@ impl EdgePool {
     /// Drops the open edges and sorts the others by their points.
     fn sort(&mut self) {
         let slot = &mut self.slot;
-        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.iter().for_each(|(i, _)| slot[*i] = NO_EDGE);
         self.near.retain(|(_, e)| !e.is_open());
         self.near.sort_unstable_by_key(|(i, _)| *i);
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
     /// Opens edge `i`, whose point has been replaced by another one.
-    pub fn renew(&mut self, i: usize) {
-        if self.slot[i] != NOWHERE {
+    pub fn reset(&mut self, i: usize) {
+        if self.slot[i] != NO_EDGE {
             *self.edge_mut(i) = EdgeState::OPEN;
         }
         self.committed.retain(|(k, _)| *k != i);
     }
 
     /// Restores accepted edges.
-    pub fn set(&mut self, edges: &[(usize, EdgeState)]) {
+    pub fn set_accepted(&mut self, edges: &[(usize, EdgeState)]) {
         self.committed = edges.to_vec();
         self.rollback();
     }
@@ -123,20 +123,20 @@ impl EdgePool {
         if edges.iter().any(|(i, _)| *i >= self.slot.len()) {
             return Err(Error::Start("the saved state has contact edges that the scene does not have".into()));
         }
-        self.set(&edges);
+        self.set_accepted(&edges);
         Ok(())
     }
 
     /// Restores the edges last accepted.
     pub fn rollback(&mut self) {
         let slot = &mut self.slot;
-        self.near.iter().for_each(|(i, _)| slot[*i] = NOWHERE);
+        self.near.iter().for_each(|(i, _)| slot[*i] = NO_EDGE);
         self.near.clone_from(&self.committed);
         self.near.iter().zip(0..).for_each(|((i, _), k)| slot[*i] = k);
     }
 
     /// Stiffens the edges with gaps below `least(i)` (m); returns true if there were none.
-    pub fn satisfied(&mut self, least: impl Fn(usize) -> f64) -> bool {
+    pub fn stiffen_penetrating(&mut self, least: impl Fn(usize) -> f64) -> bool {
         let mut satisfied = true;
         for (i, e) in &mut self.near {
             if e.gap < least(*i) {
@@ -148,28 +148,28 @@ impl EdgePool {
     }
 
     /// Sets gap, normal and pressure of edge `i` under `law` from its contact points (gap, m, normal and weight of
-    /// each, the nearest first) and its friction limit if it is to `follow`. Returns the lag of the limit, Pa, if
-    /// friction acts; [`EdgePool::update_traction`] must be called next.
-    pub fn press(
+    /// each, the nearest first) and, if it is to `update_friction`, its friction limit. Returns the lag of the limit,
+    /// Pa, if friction acts; [`EdgePool::update_traction`] must be called next.
+    pub fn set_pressure(
         &mut self,
         i: usize,
         law: &ContactLaw,
-        follow: bool,
+        update_friction: bool,
         places: impl Iterator<Item = (f64, DVec3, f64)>,
     ) -> Option<f64> {
         let mut places = places.peekable();
-        if places.peek().is_none() && self.slot[i] == NOWHERE {
+        if places.peek().is_none() && self.slot[i] == NO_EDGE {
             return None;
         }
         let negligible = self.negligible;
         let e = self.edge_mut(i);
-        e.press(law, places);
+        e.set_pressure(law, places);
         e.traction = DVec3::ZERO;
         e.slips = false;
         if law.friction == 0.0 {
             return None;
         }
-        let lag = e.set_limit(law.friction, follow);
+        let lag = e.set_limit(law.friction, update_friction);
         if e.pressure <= 0.0 && (e.limit <= negligible || e.anchor.is_none()) {
             // A point that was in contact only at an earlier iterate has not stuck yet: its accepted anchor is
             // restored.
@@ -177,26 +177,26 @@ impl EdgePool {
             let known = self.committed.binary_search_by_key(&i, |(k, _)| *k);
             let anchor = known.ok().and_then(|k| self.committed[k].1.anchor);
             let e = self.edge_mut(i);
-            (e.anchor, e.clear, e.share) = (anchor, None, 1.0);
+            (e.anchor, e.initial_gap, e.active_fraction) = (anchor, None, 1.0);
             return None;
         }
         Some(lag)
     }
 
-    /// Returns true if edge `i` made contact within the increment; [`EdgePool::touch`] must be called next.
+    /// Returns true if edge `i` made contact within the increment; [`EdgePool::record_contact`] must be called next.
     pub fn made_contact(&self, i: usize) -> bool {
         let e = self.edge(i);
-        e.anchor.is_none() || e.clear.is_some()
+        e.anchor.is_none() || e.initial_gap.is_some()
     }
 
     /// Records that edge `i` made contact within the increment, at whose start its point was at `start`, at the gap
     /// `clear()` (m).
-    pub fn touch(&mut self, i: usize, law: &ContactLaw, start: DVec3, clear: impl FnOnce() -> f64) {
+    pub fn record_contact(&mut self, i: usize, law: &ContactLaw, start: DVec3, clear: impl FnOnce() -> f64) {
         let e = self.edge_mut(i);
         e.anchor = Some(start);
-        if e.clear.is_none() {
-            e.clear = Some(clear());
-            e.share = e.past_touch(law.offset);
+        if e.initial_gap.is_none() {
+            e.initial_gap = Some(clear());
+            e.active_fraction = e.current_active_fraction(law.offset);
         }
     }
 
@@ -208,19 +208,19 @@ impl EdgePool {
         let stiffness = law.pressure(e.gap, e.scale).1;
         let rate = match e.slips {
             true => e.traction.normalize_or_zero() * (law.friction * stiffness),
-            false => e.traction * ((1.0 - e.share) / (law.offset - e.gap)),
+            false => e.traction * ((1.0 - e.active_fraction) / (law.offset - e.gap)),
         };
         (stiffness > 0.0 && rate != DVec3::ZERO).then(|| rate * -e.normal.dot(u))
     }
 
     /// Sets the traction of edge `i`, whose points have moved apart by `s` (m) since they stuck or since the start of
     /// the increment; returns the lag of the traction due to the active fraction, Pa.
-    pub fn update_traction(&mut self, i: usize, law: &ContactLaw, follow: bool, s: DVec3) -> f64 {
+    pub fn update_traction(&mut self, i: usize, law: &ContactLaw, update_friction: bool, s: DVec3) -> f64 {
         let e = self.edge_mut(i);
         let s = slip(s, e.plane);
-        let missing = e.past_touch(law.offset) - e.share;
-        e.share += if follow { missing } else { 0.0 };
-        (e.traction, e.slips) = law.with_active_fraction(e.share).traction(s, e.limit);
-        if follow { 0.0 } else { (law.tangential * s.length() * missing.abs()).min(e.limit) }
+        let missing = e.current_active_fraction(law.offset) - e.active_fraction;
+        e.active_fraction += if update_friction { missing } else { 0.0 };
+        (e.traction, e.slips) = law.with_active_fraction(e.active_fraction).traction(s, e.limit);
+        if update_friction { 0.0 } else { (law.tangential * s.length() * missing.abs()).min(e.limit) }
     }
 }

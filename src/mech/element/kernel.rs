@@ -100,12 +100,12 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
     /// positions `x(element, node)`, m. Elements are computed in vector lanes, with the same operations for each.
     #[inline(always)]
     pub fn min_det_f(&self, rest: &[RestTet], x: impl Fn(usize, usize) -> DVec3) -> f64 {
-        const SIDE: usize = 8;
-        let mut least = [f64::INFINITY; SIDE];
-        for start in (0..rest.len()).step_by(SIDE) {
+        const LANES: usize = 8;
+        let mut least = [f64::INFINITY; LANES];
+        for start in (0..rest.len()).step_by(LANES) {
             // The last element fills the unused lanes of the last batch.
-            let own: [usize; SIDE] = std::array::from_fn(|l| (start + l).min(rest.len() - 1));
-            let (mut at, mut g) = ([[[0.0; SIDE]; 3]; N], [[[0.0; SIDE]; 3]; 4]);
+            let own: [usize; LANES] = std::array::from_fn(|l| (start + l).min(rest.len() - 1));
+            let (mut at, mut g) = ([[[0.0; LANES]; 3]; N], [[[0.0; LANES]; 3]; 4]);
             for (l, e) in own.into_iter().enumerate() {
                 for a in 0..N {
                     let x = x(e, a);
@@ -116,25 +116,25 @@ impl<const N: usize, const Q: usize> Kernel<'_, N, Q> {
                 }
             }
             for d in &self.shape.d {
-                let mut f = [[[0.0; SIDE]; 3]; 3];
+                let mut f = [[[0.0; LANES]; 3]; 3];
                 for k in 0..4 {
-                    let mut y = [[0.0; SIDE]; 3];
+                    let mut y = [[0.0; LANES]; 3];
                     for a in (0..N).filter(|a| d[*a][k] != 0.0) {
                         for c in 0..3 {
-                            for l in 0..SIDE {
+                            for l in 0..LANES {
                                 y[c][l] += at[a][c][l] * d[a][k];
                             }
                         }
                     }
                     for c in 0..3 {
                         for j in 0..3 {
-                            for l in 0..SIDE {
+                            for l in 0..LANES {
                                 f[j][c][l] += y[c][l] * g[k][j][l];
                             }
                         }
                     }
                 }
-                for l in 0..SIDE {
+                for l in 0..LANES {
                     let minor = |a: usize, b: usize| f[1][a][l] * f[2][b][l] - f[1][b][l] * f[2][a][l];
                     let det = f[0][0][l] * minor(1, 2) - f[0][1][l] * minor(0, 2) + f[0][2][l] * minor(0, 1);
                     least[l] = least[l].min(det);

@@ -165,16 +165,16 @@ fn contract<const L: usize>(
 
 /// Smallest eigenvalue of a projected tangent over its largest: with zero eigenvalues, rounding would decide whether a
 /// sum of tangents is positive definite.
-const LEAST: f64 = 1e-10;
+const SMALLEST_EIGENVALUE_RATIO: f64 = 1e-10;
 
-/// Raises the negative eigenvalues of a symmetric 9 x 9 tangent to [`LEAST`] times the largest (Teran et al. 2005: to
-/// zero).
+/// Raises the negative eigenvalues of a symmetric 9 x 9 tangent to [`SMALLEST_EIGENVALUE_RATIO`] times the largest
+/// (Teran et al. 2005: to zero).
 fn project_positive(tangent: &mut [[f64; 9]; 9]) {
     let matrix = faer::Mat::<f64>::from_fn(9, 9, |i, j| 0.5 * (tangent[i][j] + tangent[j][i]));
     // The decomposition fails only for non-finite input, which no feasible state produces; keep the tangent then.
     let Ok(eigen) = matrix.self_adjoint_eigen(faer::Side::Lower) else { return };
     let (u, s) = (eigen.U(), eigen.S());
-    let least = LEAST * (0..9).map(|k| s[k].abs()).fold(0.0, f64::max);
+    let least = SMALLEST_EIGENVALUE_RATIO * (0..9).map(|k| s[k].abs()).fold(0.0, f64::max);
     for i in 0..9 {
         for j in 0..9 {
             tangent[i][j] = (0..9).map(|k| u[(i, k)] * s[k].max(least) * u[(j, k)]).sum();

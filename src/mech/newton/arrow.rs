@@ -87,7 +87,7 @@ impl ArrowBlock {
     }
 
     /// Computes `B^T K^-1 g` of this body.
-    fn reduced(&self) -> impl Iterator<Item = f64> + '_ {
+    fn eliminated_gradient(&self) -> impl Iterator<Item = f64> + '_ {
         let solved = &self.rhs[self.block.coupling.len()..];
         self.block.coupling.chunks_exact(self.body.unknowns().max(1)).map(|b| dot(b, solved))
     }
@@ -142,22 +142,22 @@ impl RigidSystem {
             system.axes.push(axis);
             system.stiffness.push(values[k].abs().max(floor));
         }
-        system.shorten(&system.along(blocks, gradient), cap);
+        system.limit_step(&system.axis_gradient(blocks, gradient), cap);
         system
     }
 
     /// Gradient along each axis after elimination of the nodes, N, for the `gradient` of the rigid unknowns.
-    fn along(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> Vec<f64> {
+    fn axis_gradient(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> Vec<f64> {
         let mut g = *gradient;
         for b in blocks {
-            g.iter_mut().zip(b.reduced()).for_each(|(g, reduced)| *g -= reduced);
+            g.iter_mut().zip(b.eliminated_gradient()).for_each(|(g, reduced)| *g -= reduced);
         }
         self.axes.iter().map(|axis| axis.iter().zip(&g).map(|(u, g)| u * g).sum()).collect()
     }
 
     /// Adds to the stiffness the smallest shift for which the step under the gradient `along` the axes (N) is at most
     /// `cap` (m) long.
-    fn shorten(&mut self, along: &[f64], cap: f64) {
+    fn limit_step(&mut self, along: &[f64], cap: f64) {
         let length = |shift: f64| {
             let parts = along.iter().zip(&self.stiffness).map(|(p, k)| p / (k + shift));
             parts.map(|p| p * p).sum::<f64>().sqrt()
@@ -176,7 +176,7 @@ impl RigidSystem {
     /// Full Newton step of solved blocks for the `gradient` (N) of the rigid unknowns.
     pub fn step(&self, blocks: &[ArrowBlock], gradient: &[f64; MAX_RIGID]) -> NewtonStep {
         let mut rigid = [0.0; MAX_RIGID];
-        for ((g, axis), stiffness) in self.along(blocks, gradient).iter().zip(&self.axes).zip(&self.stiffness) {
+        for ((g, axis), stiffness) in self.axis_gradient(blocks, gradient).iter().zip(&self.axes).zip(&self.stiffness) {
             rigid.iter_mut().zip(axis).for_each(|(d, u)| *d -= u * g / stiffness);
         }
         NewtonStep { x: blocks.iter().map(|b| b.motion(&rigid[..self.size])).collect(), rigid }

@@ -12,9 +12,9 @@ use crate::potential::state::{MAX_RIGID, NewtonStep, State};
 use rayon::prelude::*;
 
 /// Maximum number of Krylov vectors of one direction.
-const VECTORS: usize = 8;
+const KRYLOV_VECTORS: usize = 8;
 /// Residual of the direction over the direction below which no further vector is added.
-const ENOUGH: f64 = 0.01;
+const KRYLOV_TOLERANCE: f64 = 0.01;
 
 impl Newton {
     /// Computes the step of the assembled and factorised system at lagged friction, and the gradient of the rigid
@@ -32,7 +32,7 @@ impl Newton {
 
     /// Corrects the direction `plain` at `now`, computed at lagged friction under `gradient`, for limits that follow
     /// the pressure. The result is at most `cap` (m) long in the rigid unknowns.
-    pub(crate) fn follow(
+    pub(crate) fn correct_direction(
         &mut self,
         now: &State,
         plain: &NewtonStep,
@@ -42,7 +42,7 @@ impl Newton {
         let mut step = plain.clone();
         let Some(mut rest) = self.response(now, plain, gradient, plain) else { return step };
         let mut vectors: Vec<[NewtonStep; 2]> = Vec::new();
-        while vectors.len() < VECTORS && rest.norm() > ENOUGH * step.norm() {
+        while vectors.len() < KRYLOV_VECTORS && rest.norm() > KRYLOV_TOLERANCE * step.norm() {
             let mut along = rest.clone();
             let Some(response) = self.response(now, &along, gradient, plain) else { break };
             let mut image = along.clone();
@@ -79,7 +79,7 @@ impl Newton {
         gradient: &[f64; MAX_RIGID],
         plain: &NewtonStep,
     ) -> Option<NewtonStep> {
-        if !self.couple(now, step) {
+        if !self.nonsymmetric_change(now, step) {
             return None;
         }
         self.blocks.par_iter_mut().for_each(|b| b.solve(false));
@@ -93,15 +93,17 @@ impl Newton {
 
     /// Collects the change of the forces along `step` that the Hessian does not include; returns false if there is
     /// none.
-    fn couple(&mut self, now: &State, step: &NewtonStep) -> bool {
+    fn nonsymmetric_change(&mut self, now: &State, step: &NewtonStep) -> bool {
         let (rigid, terms) = (&self.rigid, &self.terms);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, b)| {
             b.extra.clear(false);
             let view = now.view(i, rigid);
-            terms[i].iter().for_each(|t| t.couple(&b.body, &view, &step.motion(i, &view), &mut b.extra));
+            terms[i]
+                .iter()
+                .for_each(|t| t.add_nonsymmetric_change(&b.body, &view, &step.motion(i, &view), &mut b.extra));
         });
         self.object_extra.clear(false);
-        self.object.couple(now, rigid, step, &mut self.object_extra);
-        self.object_extra.activity > 0.0 || self.blocks.iter().any(|b| b.extra.rigid.activity > 0.0)
+        self.object.add_nonsymmetric_change(now, rigid, step, &mut self.object_extra);
+        self.object_extra.force_scale > 0.0 || self.blocks.iter().any(|b| b.extra.rigid.force_scale > 0.0)
     }
 }

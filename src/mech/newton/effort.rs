@@ -1,10 +1,10 @@
 //! Bound on the work of a grasp, so that every grasp terminates.
 //!
-//! A grasp takes at most `max_iterations * (START + PER_STEP * steps)` Newton iterations. The scene sets
-//! `max_iterations`, 40 by default. The number of steps is that of the recorded frames or, in a dynamic scene, of the
-//! time steps. A step of an agent takes at most `max_iterations * PER_STEP`, because all environments of a batch wait
-//! for it. The bound is the same on every machine. A limit on wall time, which depends on the machine, can be set as
-//! well.
+//! A grasp takes at most `max_iterations * (START_INCREMENTS + INCREMENTS_PER_STEP * steps)` Newton iterations. The
+//! scene sets `max_iterations`, 40 by default. The number of steps is that of the recorded frames or, in a dynamic
+//! scene, of the time steps. A step of an agent takes at most `max_iterations * INCREMENTS_PER_STEP`, because all
+//! environments of a batch wait for it. The bound is the same on every machine. A limit on wall time, which depends on
+//! the machine, can be set as well.
 
 use super::Failure;
 use base::interrupt;
@@ -12,18 +12,19 @@ use std::time::{Duration, Instant};
 
 /// Number of increments, of `max_iterations` each, that a grasp may take to make contact and reach equilibrium, and for
 /// each step after that.
-const START: u64 = 50;
-const PER_STEP: u64 = 10;
+const START_INCREMENTS: u64 = 50;
+const INCREMENTS_PER_STEP: u64 = 10;
 
 /// Maximum number of Newton iterations of a grasp with `steps` load levels or time steps, for `max_iterations` per
 /// increment.
-pub fn most_iterations(max_iterations: u32, steps: usize) -> u64 {
-    u64::from(max_iterations).saturating_mul(START.saturating_add(PER_STEP.saturating_mul(steps as u64)))
+pub fn iteration_limit(max_iterations: u32, steps: usize) -> u64 {
+    u64::from(max_iterations)
+        .saturating_mul(START_INCREMENTS.saturating_add(INCREMENTS_PER_STEP.saturating_mul(steps as u64)))
 }
 
 /// Maximum number of Newton iterations of a step of an agent.
-pub fn most_iterations_of_agent_step(max_iterations: u32) -> u64 {
-    u64::from(max_iterations).saturating_mul(PER_STEP)
+pub fn agent_step_iteration_limit(max_iterations: u32) -> u64 {
+    u64::from(max_iterations).saturating_mul(INCREMENTS_PER_STEP)
 }
 
 /// Limit on the work of a solver.

@@ -14,13 +14,13 @@ pub enum Failure {
     /// The corrections of condensed pads do not converge; size of the last one over the displacement.
     Corrections(f64),
     /// The path deviates too much from a straight increment; path error over the error allowed.
-    Bent(f64),
+    PathError(f64),
     /// The object kept rolling or sliding and did not reach equilibrium.
     Unsettled,
     /// A finger closes without contact: the object left the grasp.
-    Lost,
+    LostContact,
     /// The object moved farther than an object that counts as held.
-    Astray,
+    MovedTooFar,
     /// The number of Newton iterations reached this limit of a grasp, or of a step of an agent.
     Effort(u64),
     /// The wall time allowed for a grasp was exceeded, s.
@@ -32,7 +32,7 @@ pub enum Failure {
 impl Failure {
     /// Returns true if the object left the grasp: a physical outcome, not a numerical one.
     pub fn leaves_the_grasp(&self) -> bool {
-        matches!(self, Failure::Lost | Failure::Astray | Failure::Unsettled)
+        matches!(self, Failure::LostContact | Failure::MovedTooFar | Failure::Unsettled)
     }
 
     /// Returns true if no further attempt may be made.
@@ -49,9 +49,9 @@ impl fmt::Display for Failure {
             Failure::Corrections(e) => {
                 write!(f, "the corrections of the condensed pads do not converge (error {e:.1e})")
             }
-            Failure::Bent(error) => write!(f, "the path error of one increment is {error:.1} times its tolerance"),
-            Failure::Lost => f.write_str("a finger closes without contact: the object was squeezed out"),
-            Failure::Astray => f.write_str("the object moves farther than a held object may"),
+            Failure::PathError(error) => write!(f, "the path error of one increment is {error:.1} times its tolerance"),
+            Failure::LostContact => f.write_str("a finger closes without contact: the object was squeezed out"),
+            Failure::MovedTooFar => f.write_str("the object moves farther than a held object may"),
             Failure::Effort(most) => write!(
                 f,
                 "no equilibrium within {most} Newton iterations, the limit for a grasp with this number of steps or \

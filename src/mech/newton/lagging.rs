@@ -6,54 +6,54 @@
 //! give the next limits.
 
 /// Iterations without progress after which friction is lagged.
-const SWINGING: u32 = 5;
+const STALLED_ITERATIONS: u32 = 5;
 /// Residual over the smallest one so far below which an iteration counts as progress.
-const PROGRESS: f64 = 0.5;
+const PROGRESS_RATIO: f64 = 0.5;
 /// Residual over the friction lag below which the problem with lagged friction counts as solved.
-const SOLVED: f64 = 0.1;
+const LAGGED_TOLERANCE: f64 = 0.1;
 
 /// State of the friction lag in one Newton solve.
 #[derive(Debug)]
 pub(crate) struct Lagging {
     best: f64,
-    stale: u32,
+    stalled: u32,
     frozen: bool,
     /// Flag: the solution is intermediate, not a result; friction stays lagged, and its lag error is ignored.
-    passing: bool,
+    intermediate: bool,
     /// Flag: the problem with lagged friction is solved, and friction is updated.
     solved: bool,
 }
 
 impl Lagging {
-    /// Creates the state for a result or for an intermediate (`passing`) solution.
-    pub fn new(passing: bool) -> Self {
-        Self { best: f64::INFINITY, stale: 0, frozen: false, passing, solved: false }
+    /// Creates the state for a result or for an `intermediate` solution.
+    pub fn new(intermediate: bool) -> Self {
+        Self { best: f64::INFINITY, stalled: 0, frozen: false, intermediate, solved: false }
     }
 
-    /// Returns true if friction follows in the next assembly.
-    pub fn follows(&self) -> bool {
-        self.stale < SWINGING || self.solved
+    /// Returns true if friction is updated in the next assembly.
+    pub fn updates_friction(&self) -> bool {
+        self.stalled < STALLED_ITERATIONS || self.solved
     }
 
     /// Returns true once, when friction becomes lagged.
-    pub fn freezes(&mut self) -> bool {
-        let frozen = self.stale >= SWINGING;
+    pub fn becomes_lagged(&mut self) -> bool {
+        let frozen = self.stalled >= STALLED_ITERATIONS;
         frozen && !std::mem::replace(&mut self.frozen, frozen)
     }
 
     /// Norm of the out-of-balance forces and the friction lag together, N.
     pub fn out_of_balance(&self, residual: f64, lag: f64) -> f64 {
-        if self.passing && self.stale >= SWINGING { residual } else { residual.hypot(lag) }
+        if self.intermediate && self.stalled >= STALLED_ITERATIONS { residual } else { residual.hypot(lag) }
     }
 
     /// Records an assembled state: out-of-balance forces, friction lag and admissible residual, N.
-    pub fn note(&mut self, residual: f64, lag: f64, allowed: f64) {
-        if self.stale < SWINGING {
-            let progress = residual.hypot(lag) < PROGRESS * self.best;
-            self.stale = if progress { 0 } else { self.stale + 1 };
+    pub fn record(&mut self, residual: f64, lag: f64, allowed: f64) {
+        if self.stalled < STALLED_ITERATIONS {
+            let progress = residual.hypot(lag) < PROGRESS_RATIO * self.best;
+            self.stalled = if progress { 0 } else { self.stalled + 1 };
             self.best = if progress { residual.hypot(lag) } else { self.best };
         }
-        self.solved = !self.passing && lag > allowed && residual <= allowed.max(SOLVED * lag);
+        self.solved = !self.intermediate && lag > allowed && residual <= allowed.max(LAGGED_TOLERANCE * lag);
     }
 }
 
@@ -64,12 +64,12 @@ mod tests {
     /// An intermediate state converges at 1e-3 N out of balance although friction oscillates by 1 N; a result does not.
     #[test]
     fn only_a_result_waits_for_friction_that_swings() {
-        for passing in [true, false] {
-            let mut lagging = Lagging::new(passing);
-            (0..=SWINGING).for_each(|_| lagging.note(1e-3, 1.0, 1e-2));
-            assert_eq!(lagging.follows(), !passing, "friction moves on in a result alone");
+        for intermediate in [true, false] {
+            let mut lagging = Lagging::new(intermediate);
+            (0..=STALLED_ITERATIONS).for_each(|_| lagging.record(1e-3, 1.0, 1e-2));
+            assert_eq!(lagging.updates_friction(), !intermediate, "friction moves on in a result alone");
             let left = lagging.out_of_balance(1e-3, 1.0);
-            assert_eq!(left > 0.5, !passing, "{left} N counted out of balance");
+            assert_eq!(left > 0.5, !intermediate, "{left} N counted out of balance");
         }
     }
 }

@@ -14,7 +14,7 @@ use self::arrow::{ArrowBlock, RigidSystem};
 use self::effort::Effort;
 pub use self::failure::Failure;
 use self::object::ObjectTerms;
-use self::proximal::Proximal;
+use self::proximal::ProximalSprings;
 pub use self::terms::SavedTerms;
 use super::body::Body;
 use super::potential::block::RigidBlock;
@@ -39,9 +39,9 @@ pub struct NewtonTolerance {
     /// Maximum number of iterations of an increment.
     pub iterations: u32,
     /// Largest motion of any point in one iteration, m: keeps closest points on the correct side of thin objects.
-    pub motion: f64,
+    pub max_motion: f64,
     /// Flag: the solution is intermediate, not a result; friction may stay lagged where it oscillates.
-    pub passing: bool,
+    pub intermediate: bool,
     /// Contact offset, m: the reference of all lengths of the method.
     pub offset: f64,
 }
@@ -49,8 +49,8 @@ pub struct NewtonTolerance {
 impl NewtonTolerance {
     /// Creates the usual tolerance for contact with this `offset` (m).
     pub fn new(offset: f64) -> Self {
-        let [length, motion] = [DISPLACEMENT_TOLERANCE, LARGEST_MOTION].map(|offsets| offsets * offset);
-        Self { relative: 2e-4, force: 1e-7, length, iterations: 40, motion, passing: false, offset }
+        let [length, max_motion] = [DISPLACEMENT_TOLERANCE, LARGEST_MOTION].map(|offsets| offsets * offset);
+        Self { relative: 2e-4, force: 1e-7, length, iterations: 40, max_motion, intermediate: false, offset }
     }
 }
 
@@ -99,7 +99,7 @@ pub struct Newton {
     /// Current time step; None on a quasi-static path.
     pub step: Option<TimeStep>,
     /// Proximal springs of a pseudo-time step; None without pseudo-time.
-    pub proximal: Option<Proximal>,
+    pub proximal: Option<ProximalSprings>,
     /// Flag: the object is held fixed, and its pose is not an unknown.
     pub object_fixed: bool,
     /// Limit on the work of the solver.
@@ -149,7 +149,7 @@ impl Newton {
     ///
     /// # Errors
     /// Fails if its factorisation cannot be analysed.
-    pub fn exchange(&mut self, index: usize, body: Arc<Body>) -> Result<()> {
+    pub fn replace_body(&mut self, index: usize, body: Arc<Body>) -> Result<()> {
         self.blocks[index] = ArrowBlock::new(body, self.rigid.size)?;
         Ok(())
     }
@@ -260,14 +260,14 @@ impl Newton {
     }
 
     /// Largest sum of contact force magnitudes on a body, plus that of the forces on the object alone, N.
-    pub fn activity(&self) -> f64 {
-        self.blocks.iter().map(|b| b.block.rigid.activity).fold(0.0, f64::max) + self.object_block.activity
+    pub fn force_scale(&self) -> f64 {
+        self.blocks.iter().map(|b| b.block.rigid.force_scale).fold(0.0, f64::max) + self.object_block.force_scale
     }
 
     /// Returns true if some driven finger carries no contact force.
     pub(crate) fn lacks_contact(&self) -> bool {
         let driven = self.blocks.iter().zip(&self.rigid.travel);
-        driven.into_iter().any(|(b, column)| column.is_some() && b.block.rigid.activity == 0.0)
+        driven.into_iter().any(|(b, column)| column.is_some() && b.block.rigid.force_scale == 0.0)
     }
 
     /// Factorises all blocks; assembles again with projected Hessians if one is not positive definite. Returns false if
@@ -285,7 +285,7 @@ impl Newton {
     }
 
     /// Upper bound of the motion of any node relative to the object in a step, m.
-    pub(crate) fn motion(&self, step: &NewtonStep) -> f64 {
+    pub(crate) fn step_motion_bound(&self, step: &NewtonStep) -> f64 {
         let nodes = step.x.iter().flatten().map(|d| d.length_squared()).fold(0.0, f64::max).sqrt();
         nodes + step.rigid[..self.rigid.size].iter().map(|d| d.abs()).fold(0.0, f64::max)
     }

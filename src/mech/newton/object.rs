@@ -2,7 +2,7 @@
 
 use crate::contact::GroundContact;
 use crate::potential::block::RigidBlock;
-use crate::potential::dead_force::DeadForce;
+use crate::potential::point_load::PointLoad;
 use crate::potential::rigid_inertia::RigidInertia;
 use crate::potential::state::{NewtonStep, RigidUnknowns, State};
 use crate::potential::term::{Assembly, ObjectTerm};
@@ -15,9 +15,9 @@ use base::saved_state::{StateReader, StateWriter};
 #[derive(Debug, Clone, Default)]
 pub struct ObjectTerms {
     /// Weight, or another constant force on the object on a quasi-static path.
-    pub weight: Option<DeadForce>,
+    pub weight: Option<PointLoad>,
     /// Forces of a push.
-    pub push: Vec<DeadForce>,
+    pub push: Vec<PointLoad>,
     /// Inertia and weight in a dynamic scene.
     pub inertia: Option<RigidInertia>,
     /// Contact with the ground.
@@ -36,8 +36,8 @@ impl ObjectTerms {
     }
 
     /// Sets the acting fraction of the push.
-    pub fn set_push_part(&mut self, part: f64) {
-        self.push.iter_mut().for_each(|force| force.part = part);
+    pub fn set_push_fraction(&mut self, fraction: f64) {
+        self.push.iter_mut().for_each(|force| force.fraction = fraction);
     }
 
     /// Energy of all terms, J.
@@ -53,10 +53,16 @@ impl ObjectTerms {
     }
 
     /// Adds to `change` the change of the forces along `step` that the Hessian does not include.
-    pub(crate) fn couple(&self, state: &State, rigid: &RigidUnknowns, step: &NewtonStep, change: &mut RigidBlock) {
+    pub(crate) fn add_nonsymmetric_change(
+        &self,
+        state: &State,
+        rigid: &RigidUnknowns,
+        step: &NewtonStep,
+        change: &mut RigidBlock,
+    ) {
         let view = state.object_view(rigid);
         let motion = step.object_motion(&view);
-        self.all().for_each(|t| t.couple(&view, &motion, change));
+        self.all().for_each(|t| t.add_nonsymmetric_change(&view, &motion, change));
     }
 
     /// Distance by which the object may move before anything touches, m.
@@ -66,9 +72,9 @@ impl ObjectTerms {
     }
 
     /// Begins a time step.
-    pub(crate) fn begin(&mut self, step: &TimeStep) {
-        self.inertia.iter_mut().for_each(|inertia| inertia.begin(step));
-        self.ground.iter_mut().for_each(|ground| ground.begin(step));
+    pub(crate) fn begin_step(&mut self, step: &TimeStep) {
+        self.inertia.iter_mut().for_each(|inertia| inertia.begin_step(step));
+        self.ground.iter_mut().for_each(|ground| ground.begin_step(step));
     }
 
     /// Updates the history to an accepted state.
@@ -83,8 +89,8 @@ impl ObjectTerms {
     }
 
     /// Returns true if the converged state satisfies every term; all terms are evaluated.
-    pub(crate) fn satisfied(&mut self) -> bool {
-        self.all_mut().filter_map(|t| (!t.satisfied()).then_some(())).count() == 0
+    pub(crate) fn enforce_constraints(&mut self) -> bool {
+        self.all_mut().filter_map(|t| (!t.enforce_constraints()).then_some(())).count() == 0
     }
 
     /// Writes the history of all terms.

@@ -8,13 +8,13 @@ use base::scales::COMPLETE_HESSIAN_MOTION;
 use std::time::Instant;
 
 /// Largest step of the rigid unknowns in one iteration, as a fraction of the largest motion.
-const STRIDE: f64 = 0.2;
+const RIGID_STEP_FRACTION: f64 = 0.2;
 /// Smallest relative decrease of the residual in a full step with friction that follows the pressure.
-const BALANCED: f64 = 0.1;
+const RESIDUAL_DECREASE: f64 = 0.1;
 /// Fraction of a step from which it counts as full.
-const WHOLE: f64 = 0.9;
+const FULL_STEP_FRACTION: f64 = 0.9;
 /// Fraction of a step below which it is lost in rounding.
-const STUCK: f64 = 1e-9;
+const SMALLEST_STEP_FRACTION: f64 = 1e-9;
 
 impl Newton {
     /// Minimises the potential from `start`, in an increment that starts from the accepted state `from`.
@@ -27,14 +27,14 @@ impl Newton {
         start: State,
         tolerance: &NewtonTolerance,
     ) -> Result<(State, Converged), Failure> {
-        self.depart(from);
+        self.begin_increment(from);
         let mut now = start;
         let mut last_motion = f64::INFINITY;
         let mut iterations = 0;
-        let mut lagging = Lagging::new(tolerance.passing);
+        let mut lagging = Lagging::new(tolerance.intermediate);
         let (mut how, mut assembled) = (after_step(last_motion, false, tolerance), false);
         loop {
-            self.profile.frozen += u64::from(lagging.freezes());
+            self.profile.frozen += u64::from(lagging.becomes_lagged());
             let clock = Instant::now();
             if !assembled {
                 self.assemble(&now, how);
@@ -44,11 +44,11 @@ impl Newton {
             if !residual.is_finite() {
                 return Err(Failure::Singular);
             }
-            let allowed = tolerance.force + tolerance.relative * self.activity();
-            lagging.note(residual, lag, allowed);
+            let allowed = tolerance.force + tolerance.relative * self.force_scale();
+            lagging.record(residual, lag, allowed);
             let residual = lagging.out_of_balance(residual, lag);
             let balanced = residual <= allowed && (last_motion <= tolerance.length || residual <= 0.01 * allowed);
-            if balanced && self.satisfied(&now) {
+            if balanced && self.enforce_constraints(&now) {
                 return Ok((now, Converged { iterations, residual }));
             }
             if iterations >= tolerance.iterations {
@@ -57,7 +57,10 @@ impl Newton {
             if balanced {
                 last_motion = f64::INFINITY;
                 iterations += 1;
-                how = Assembly { follow: lagging.follows(), ..after_step(last_motion, how.secant, tolerance) };
+                how = Assembly {
+                    update_friction: lagging.updates_friction(),
+                    ..after_step(last_motion, how.secant, tolerance)
+                };
                 assembled = false;
                 continue;
             }
@@ -68,18 +71,19 @@ impl Newton {
                 return Err(Failure::Singular);
             }
             let clock = Instant::now();
-            let cap = STRIDE * tolerance.motion;
+            let cap = RIGID_STEP_FRACTION * tolerance.max_motion;
             let (plain, gradient) = self.direction(cap);
-            let step = if how.follow { self.follow(&now, &plain, &gradient, cap) } else { plain.clone() };
+            let step =
+                if how.update_friction { self.correct_direction(&now, &plain, &gradient, cap) } else { plain.clone() };
             self.profile.solve += clock.elapsed().as_secs_f64();
             // Friction that follows the pressure has no potential: its step is accepted if it reduces the residual.
-            let balanced = if how.follow { self.balance(&now, &step, residual, tolerance) } else { None };
-            assembled = balanced.is_some() && lagging.follows();
+            let balanced = if how.update_friction { self.try_step(&now, &step, residual, tolerance) } else { None };
+            assembled = balanced.is_some() && lagging.updates_friction();
             let clock = Instant::now();
             let searched = balanced.or_else(|| {
                 // The nonsymmetric step may be an ascent direction of the energy that the line search uses.
                 let step = if self.slope(&step, &gradient) < 0.0 { &step } else { &plain };
-                self.line_search(&now, step, &gradient, tolerance.motion)
+                self.line_search(&now, step, &gradient, tolerance.max_motion)
             });
             self.profile.line_search += clock.elapsed().as_secs_f64();
             iterations += 1;
@@ -87,12 +91,12 @@ impl Newton {
             match searched {
                 // The step is lost in rounding: the state lies on a non-smooth ridge of the object, where no direction
                 // descends.
-                Some((_, _, alpha)) if alpha < STUCK && residual > allowed => {
+                Some((_, _, alpha)) if alpha < SMALLEST_STEP_FRACTION && residual > allowed => {
                     return Err(Failure::LineSearch(residual));
                 }
                 Some((next, motion, alpha)) => {
                     (now, last_motion) = (next, motion);
-                    how = after_step(motion, alpha < WHOLE, tolerance);
+                    how = after_step(motion, alpha < FULL_STEP_FRACTION, tolerance);
                 }
                 // No step lowers the energy by more than rounding: the state has converged to double precision.
                 None if residual <= allowed => {
@@ -101,14 +105,14 @@ impl Newton {
                 }
                 None => return Err(Failure::LineSearch(residual)),
             }
-            how.follow = lagging.follows();
+            how.update_friction = lagging.updates_friction();
         }
     }
 
     /// Takes the step, limited to the largest motion of `tolerance`, if it lowers the `residual` (N). Returns the same
     /// as [`Newton::line_search`]; the terms are then assembled at the new state or, if the step is rejected, at `now`
     /// without their Hessians.
-    fn balance(
+    fn try_step(
         &mut self,
         now: &State,
         step: &NewtonStep,
@@ -116,13 +120,13 @@ impl Newton {
         tolerance: &NewtonTolerance,
     ) -> Option<(State, f64, f64)> {
         let clock = Instant::now();
-        let motion = self.motion(step);
-        let alpha = (tolerance.motion / motion.max(f64::MIN_POSITIVE)).min(1.0);
+        let motion = self.step_motion_bound(step);
+        let alpha = (tolerance.max_motion / motion.max(f64::MIN_POSITIVE)).min(1.0);
         let next = now.moved(&self.rigid, step, alpha);
-        let how = after_step(alpha * motion, alpha < WHOLE, tolerance);
+        let how = after_step(alpha * motion, alpha < FULL_STEP_FRACTION, tolerance);
         self.assemble(&next, how);
         let (left, lag) = self.residual();
-        let good = left.hypot(lag) < (1.0 - BALANCED * alpha) * residual;
+        let good = left.hypot(lag) < (1.0 - RESIDUAL_DECREASE * alpha) * residual;
         if !good {
             self.assemble_some(now, how, false);
         }
@@ -139,7 +143,7 @@ impl Newton {
         rigid: &[f64; MAX_RIGID],
         cap: f64,
     ) -> Option<(State, f64, f64)> {
-        let motion = self.motion(step);
+        let motion = self.step_motion_bound(step);
         let slope = self.slope(step, rigid);
         if !motion.is_finite() || !slope.is_finite() {
             return None;
@@ -162,5 +166,10 @@ impl Newton {
 /// Returns the assembly options after a step of length `motion` (m). Where points begin to slip, the curvature of the
 /// friction energy drops abruptly: after a step that was `cut` there, the next one uses the secant.
 fn after_step(motion: f64, cut: bool, tolerance: &NewtonTolerance) -> Assembly {
-    Assembly { project: false, follow: true, sharp: motion <= COMPLETE_HESSIAN_MOTION * tolerance.offset, secant: cut }
+    Assembly {
+        project: false,
+        update_friction: true,
+        complete_hessian: motion <= COMPLETE_HESSIAN_MOTION * tolerance.offset,
+        secant: cut,
+    }
 }

@@ -3,7 +3,7 @@
 use super::Newton;
 use super::object::ObjectTerms;
 use crate::potential::edge::{EdgeReading, EdgeState};
-use crate::potential::state::{Departure, State};
+use crate::potential::state::{IncrementStart, State};
 use crate::potential::term::BodyTerm;
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
@@ -24,7 +24,7 @@ impl Newton {
     }
 
     /// Copies all terms with their history.
-    pub fn save(&self) -> SavedTerms {
+    pub fn save_terms(&self) -> SavedTerms {
         let copy = |terms: &Vec<Vec<Box<dyn BodyTerm>>>| {
             terms.iter().map(|terms| terms.iter().map(|t| t.boxed_clone()).collect()).collect()
         };
@@ -32,18 +32,18 @@ impl Newton {
     }
 
     /// Restores saved terms.
-    pub fn restore(&mut self, saved: SavedTerms) {
+    pub fn restore_terms(&mut self, saved: SavedTerms) {
         (self.gel, self.terms, self.object) = (saved.gel, saved.terms, saved.object);
     }
 
     /// Begins an increment at the accepted state `from`.
-    pub fn depart(&mut self, from: &State) {
+    pub fn begin_increment(&mut self, from: &State) {
         let (from, step) = (Arc::new(from.clone()), self.step);
         for (i, (gel, terms)) in self.gel.iter_mut().zip(&mut self.terms).enumerate() {
-            let departure = Departure::new(from.clone(), i, &self.rigid, step);
-            gel.iter_mut().chain(terms).for_each(|t| t.depart(&departure));
+            let start = IncrementStart::new(from.clone(), i, &self.rigid, step);
+            gel.iter_mut().chain(terms).for_each(|t| t.begin_increment(&start));
         }
-        step.iter().for_each(|step| self.object.begin(step));
+        step.iter().for_each(|step| self.object.begin_step(step));
     }
 
     /// Updates the history of all terms to an accepted state.
@@ -63,16 +63,16 @@ impl Newton {
     }
 
     /// Returns true if the converged `state` satisfies every term; all are evaluated, since each may stiffen itself.
-    pub(crate) fn satisfied(&mut self, state: &State) -> bool {
+    pub(crate) fn enforce_constraints(&mut self, state: &State) -> bool {
         let (rigid, blocks) = (&self.rigid, &self.blocks);
         let terms = self.gel.par_iter_mut().zip(&mut self.terms).enumerate();
         let asked = terms.map(|(i, (gel, terms))| {
             let view = state.view(i, rigid);
-            let asked = gel.iter_mut().chain(terms).map(|t| t.satisfied(&blocks[i].body, &view));
+            let asked = gel.iter_mut().chain(terms).map(|t| t.enforce_constraints(&blocks[i].body, &view));
             asked.filter(|satisfied| !satisfied).count() == 0
         });
         let bodies: Vec<bool> = asked.collect();
-        self.object.satisfied() && bodies.into_iter().all(|satisfied| satisfied)
+        self.object.enforce_constraints() && bodies.into_iter().all(|satisfied| satisfied)
     }
 
     /// Contact edges of body `i` that are not open at `state`, numbered within the body.

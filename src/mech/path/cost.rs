@@ -4,7 +4,7 @@ use crate::newton::Converged;
 
 /// Cost of one advance.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Advanced {
+pub struct AdvanceCost {
     /// Newton iterations, failed increments included.
     pub iterations: u32,
     /// Accepted increments.
@@ -13,9 +13,9 @@ pub struct Advanced {
     pub residual: f64,
 }
 
-impl Advanced {
+impl AdvanceCost {
     /// Adds the cost of a subsequent advance.
-    pub fn add(&mut self, more: Advanced) {
+    pub fn add(&mut self, more: AdvanceCost) {
         self.iterations += more.iterations;
         self.increments += more.increments;
         if more.increments > 0 {

@@ -12,11 +12,11 @@ use crate::potential::state::State;
 impl Path {
     /// Path error of the increment to `next` at level `to`, over the error allowed. It is zero without error control or
     /// history, and for an increment so small that the deviation is a jump, not a curvature.
-    pub(crate) fn bend(&self, next: &State, to: f64) -> f64 {
-        let (Some(control), Some((before, at))) = (self.control, &self.history) else { return 0.0 };
+    pub(crate) fn path_error(&self, next: &State, to: f64) -> f64 {
+        let (Some(control), Some((before, at))) = (self.control, &self.previous) else { return 0.0 };
         let [h0, h1] = [self.level - at, to - self.level];
         let q = h1 / h0;
-        if !(q.is_finite() && q > 0.0) || h1.abs() < self.shortest(control.first) {
+        if !(q.is_finite() && q > 0.0) || h1.abs() < self.shortest_rated_increment(control.first_load) {
             return 0.0;
         }
         let part = q / (4.0 * (1.0 + q));
@@ -36,14 +36,14 @@ impl Path {
         if moved == 0.0 {
             return 0.0;
         }
-        part * (bent / moved).max(turned / largest).sqrt() / control.bend
+        part * (bent / moved).max(turned / largest).sqrt() / control.max_path_error
     }
 
     /// Shortest increment whose error is evaluated.
-    pub(crate) fn shortest(&self, first: f64) -> f64 {
-        (SHORTEST[0] * first).max(SHORTEST[1] * self.level.abs())
+    pub(crate) fn shortest_rated_increment(&self, first: f64) -> f64 {
+        (SHORTEST_RATED_INCREMENT[0] * first).max(SHORTEST_RATED_INCREMENT[1] * self.level.abs())
     }
 }
 
 /// Shortest increment over the first load of the path, and over the current load.
-const SHORTEST: [f64; 2] = [0.25, 1.0 / 32.0];
+const SHORTEST_RATED_INCREMENT: [f64; 2] = [0.25, 1.0 / 32.0];

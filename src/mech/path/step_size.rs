@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 /// Size of an increment after a failed one, over the size of that one.
-const HALF: f64 = 0.5;
+const FAILED_STEP_FACTOR: f64 = 0.5;
 /// Largest growth after an easy increment.
-const GROWTH: f64 = 2.0;
+const EASY_STEP_GROWTH: f64 = 2.0;
 /// Number of iterations from which an increment counts as hard.
-const HARD: u32 = 15;
+const HARD_INCREMENT_ITERATIONS: u32 = 15;
 /// Safety factor of the size that the error admits.
-const SAFETY: f64 = 0.8;
+const STEP_SAFETY_FACTOR: f64 = 0.8;
 /// Error over the error allowed above which an increment is rejected.
-pub const REFUSED: f64 = 4.0;
+pub const REJECTED_PATH_ERROR: f64 = 4.0;
 
 /// The size of the next increment, in the unit of the load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,16 +30,17 @@ impl StepSize {
     /// Updates the size after an increment `size` that was accepted after `iterations`, with `error` over the error
     /// allowed. The error grows with the square of the size; it does not reduce the size below `shortest`.
     pub fn accept(&mut self, size: f64, iterations: u32, error: f64, shortest: f64) {
-        let eased = size.abs() * if iterations < HARD { GROWTH } else { 1.0 };
-        let next = (size.abs() * SAFETY / error.sqrt()).max(shortest).min(eased);
+        let eased = size.abs() * if iterations < HARD_INCREMENT_ITERATIONS { EASY_STEP_GROWTH } else { 1.0 };
+        let next = (size.abs() * STEP_SAFETY_FACTOR / error.sqrt()).max(shortest).min(eased);
         // A short last part does not bound longer ones.
-        self.0 = if error < SAFETY * SAFETY { self.0.max(next) } else { next };
+        self.0 = if error < STEP_SAFETY_FACTOR * STEP_SAFETY_FACTOR { self.0.max(next) } else { next };
     }
 
     /// Updates the size after an increment `size` that was rejected, with `error` over the error allowed if that was
     /// the reason.
-    pub fn refuse(&mut self, size: f64, error: Option<f64>) {
-        self.0 = size.abs() * error.map_or(HALF, |error| (SAFETY / error.sqrt()).min(HALF));
+    pub fn reject(&mut self, size: f64, error: Option<f64>) {
+        self.0 = size.abs()
+            * error.map_or(FAILED_STEP_FACTOR, |error| (STEP_SAFETY_FACTOR / error.sqrt()).min(FAILED_STEP_FACTOR));
     }
 }
 
@@ -55,14 +56,14 @@ mod tests {
             while at < 1.0 {
                 let size = step.next(1.0 - at);
                 let error = size * size / allowed;
-                if error > REFUSED {
-                    step.refuse(size, Some(error));
+                if error > REJECTED_PATH_ERROR {
+                    step.reject(size, Some(error));
                     continue;
                 }
                 step.accept(size, 3, error, 0.0);
                 (at, count) = (at + size, count + 1);
             }
-            let ideal = 1.0 / (SAFETY * allowed.sqrt());
+            let ideal = 1.0 / (STEP_SAFETY_FACTOR * allowed.sqrt());
             assert!((f64::from(count) - ideal).abs() < 0.2 * ideal + 8.0, "{count} increments, not {ideal:.0}");
         }
     }

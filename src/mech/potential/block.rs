@@ -17,7 +17,7 @@ pub struct RigidBlock {
     /// Sum of the squared lag errors, N2.
     pub lag: f64,
     /// Sum of the norms of the forces on the rigid unknowns (scale of the force tolerance), N.
-    pub activity: f64,
+    pub force_scale: f64,
     /// Flag: Hessians are assembled; else the previous ones are kept.
     pub wants_hessian: bool,
 }
@@ -45,7 +45,7 @@ impl RigidBlock {
                 self.hessian[*i][*j] += left_d.dot(*dj) + left_w.dot(*wj);
             }
         }
-        self.activity += pair.force.length();
+        self.force_scale += pair.force.length();
     }
 }
 

@@ -1,7 +1,7 @@
 //! Drive of a finger: the limits of its speed and its travel.
 
 use super::block::BodyBlock;
-use super::state::{BodyView, Departure};
+use super::state::{BodyView, IncrementStart};
 use super::term::{Assembly, BodyTerm};
 use crate::body::Body;
 use base::error::Result;
@@ -49,10 +49,10 @@ impl BodyTerm for Drive {
         if block.wants_hessian() {
             block.rigid.hessian[c][c] += self.damping / self.size + if past > 0.0 { self.stop } else { 0.0 };
         }
-        block.rigid.activity += self.rated;
+        block.rigid.force_scale += self.rated;
     }
 
-    fn depart(&mut self, from: &Departure) {
+    fn begin_increment(&mut self, from: &IncrementStart) {
         self.size = from.step.map_or(self.size, |step| step.size);
     }
 

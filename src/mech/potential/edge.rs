@@ -27,10 +27,10 @@ pub struct EdgeState {
     /// the increment.
     pub anchor: Option<DVec3>,
     /// Gap at the start of the increment, m, of a point that makes contact within it.
-    pub clear: Option<f64>,
+    pub initial_gap: Option<f64>,
     /// Active fraction: part of the motion since the anchor during which the point has been in contact; less than 1 if
     /// contact was made within the increment.
-    pub share: f64,
+    pub active_fraction: f64,
     /// Stiffness factor, raised where the pressure would otherwise close the whole offset.
     pub scale: f64,
 }

@@ -3,7 +3,7 @@
 //! The elastic energy is summed over points inside an element. Under the pressure of an edge, a 10-node tetrahedron may
 //! be valid at all of them and yet inverted at a corner or at its centre. An element with a small det F at a node gets
 //! a barrier at its nodes, one with a small det F at its centre a barrier there: a volumetric energy that is zero for
-//! det F above `FELT`. Other elements cost nothing.
+//! det F above `BARRIER_THRESHOLD`. Other elements cost nothing.
 
 use super::block::BodyBlock;
 use super::state::BodyView;
@@ -31,17 +31,17 @@ pub fn inversion_barrier() -> (InversionBarrier<10>, InversionBarrier<1>) {
 }
 
 /// Returns true if an element of `body` needs a barrier at positions `x`, m.
-pub fn is_crushed(body: &Body, x: &[DVec3]) -> bool {
+pub fn needs_inversion_barrier(body: &Body, x: &[DVec3]) -> bool {
     let (nodes, centers) = inversion_barrier();
     nodes.is_needed(body, x) || centers.is_needed(body, x)
 }
 
 /// Value of det F below which the barrier is active.
-pub const FELT: f64 = 0.02;
+pub const BARRIER_THRESHOLD: f64 = 0.02;
 /// Stiffness of the barrier over the shear modulus of the gel.
-pub const STIFFNESS: f64 = 1.0;
+pub const BARRIER_STIFFNESS: f64 = 1.0;
 
-/// Law with the energy `k/2 (1 - J/FELT)^2` below [`FELT`].
+/// Law with the energy `k/2 (1 - J/BARRIER_THRESHOLD)^2` below [`BARRIER_THRESHOLD`].
 #[derive(Debug)]
 struct Barrier(Moduli);
 
@@ -68,9 +68,13 @@ impl Material for Barrier {
 
     fn volumetric(&self, theta: f64) -> [f64; 3] {
         // The dilatation is J - 1.
-        let missing = (1.0 - (1.0 + theta) / FELT).max(0.0);
-        let (k, bends) = (STIFFNESS * self.0.mu, f64::from(missing > 0.0));
-        [0.5 * k * missing * missing, -k * missing / FELT, bends * k / (FELT * FELT)]
+        let missing = (1.0 - (1.0 + theta) / BARRIER_THRESHOLD).max(0.0);
+        let (k, bends) = (BARRIER_STIFFNESS * self.0.mu, f64::from(missing > 0.0));
+        [
+            0.5 * k * missing * missing,
+            -k * missing / BARRIER_THRESHOLD,
+            bends * k / (BARRIER_THRESHOLD * BARRIER_THRESHOLD),
+        ]
     }
 
     fn moduli(&self) -> &Moduli {
@@ -85,7 +89,7 @@ impl<const Q: usize> InversionBarrier<Q> {
 
     /// Returns true if an element of `body` needs a barrier at positions `x`, m.
     fn is_needed(&self, body: &Body, x: &[DVec3]) -> bool {
-        body.min_det_f_at(self.shape, x) < FELT
+        body.min_det_f_at(self.shape, x) < BARRIER_THRESHOLD
     }
 
     fn kernel<'a>(&'a self, barrier: &'a Barrier) -> Kernel<'a, 10, Q> {
@@ -111,7 +115,7 @@ impl<const Q: usize> InversionBarrier<Q> {
         let kernel = self.kernel(&barrier);
         let small = |e: &usize| {
             let nodes = body.quadratic(*e, x).map(|(rest, x, _)| kernel.deformation(rest, &x));
-            nodes.is_some_and(|f| f.iter().any(|f| f.determinant() < FELT))
+            nodes.is_some_and(|f| f.iter().any(|f| f.determinant() < BARRIER_THRESHOLD))
         };
         let crushed: Vec<usize> = (0..body.element_count()).filter(small).collect();
         self.elements.extend(crushed);
@@ -147,7 +151,7 @@ impl<const Q: usize> BodyTerm for InversionBarrier<Q> {
         }
     }
 
-    fn satisfied(&mut self, body: &Body, view: &BodyView) -> bool {
+    fn enforce_constraints(&mut self, body: &Body, view: &BodyView) -> bool {
         self.extend(body, view.x)
     }
 

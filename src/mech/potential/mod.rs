@@ -2,11 +2,11 @@
 
 pub mod block;
 pub mod cross;
-pub mod dead_force;
 pub mod drive;
 pub mod edge;
 pub mod inversion_barrier;
 pub mod pad_inertia;
+pub mod point_load;
 pub mod rigid_inertia;
 pub mod state;
 pub mod stencil;

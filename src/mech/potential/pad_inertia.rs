@@ -1,7 +1,7 @@
 //! Inertia and weight of the gel.
 
 use super::block::BodyBlock;
-use super::state::{BodyView, Departure};
+use super::state::{BodyView, IncrementStart};
 use super::term::{Assembly, BodyTerm};
 use super::time_step::TimeStep;
 use crate::body::Body;
@@ -70,10 +70,10 @@ impl BodyTerm for PadInertia {
                 }
             }
         }
-        block.rigid.activity += self.total * self.gravity.length();
+        block.rigid.force_scale += self.total * self.gravity.length();
     }
 
-    fn depart(&mut self, from: &Departure) {
+    fn begin_increment(&mut self, from: &IncrementStart) {
         let Some(step) = from.step else { return };
         self.step = step;
         let h = step.size;

@@ -93,7 +93,7 @@ impl RigidInertia {
     }
 
     /// Begins a time step.
-    pub fn begin(&mut self, step: &TimeStep) {
+    pub fn begin_step(&mut self, step: &TimeStep) {
         self.step = *step;
         let (h, m) = (step.size, &self.state);
         self.target = step.hand.inverse_transform(m.position + m.velocity * h + self.gravity * (h * h));
@@ -190,7 +190,7 @@ impl ObjectTerm for RigidInertia {
             ww,
         };
         block.add_object_pair(view, &pair);
-        block.activity += self.mass * self.gravity.length();
+        block.force_scale += self.mass * self.gravity.length();
     }
 
     fn commit(&mut self, view: &ObjectView) {

@@ -238,7 +238,7 @@ impl State {
 
 /// The accepted state from which an increment starts, for one body.
 #[derive(Debug, Clone)]
-pub struct Departure {
+pub struct IncrementStart {
     state: Arc<State>,
     index: usize,
     offset: DVec3,
@@ -247,7 +247,7 @@ pub struct Departure {
     pub step: Option<TimeStep>,
 }
 
-impl Departure {
+impl IncrementStart {
     /// Creates the start of an increment of body `index` from `state`.
     pub fn new(state: Arc<State>, index: usize, rigid: &RigidUnknowns, step: Option<TimeStep>) -> Self {
         let view = state.view(index, rigid);

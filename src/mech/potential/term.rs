@@ -3,7 +3,7 @@
 
 use super::block::{BodyBlock, RigidBlock};
 use super::edge::{EdgeReading, EdgeState};
-use super::state::{BodyMotion, BodyView, Departure, ObjectIncrement, ObjectView};
+use super::state::{BodyMotion, BodyView, IncrementStart, ObjectIncrement, ObjectView};
 pub use super::stencil::Stencil;
 use crate::body::Body;
 use base::error::Result;
@@ -16,9 +16,9 @@ pub struct Assembly {
     /// Flag: Hessians are projected to their positive semidefinite parts.
     pub project: bool,
     /// Flag: friction limits and planes follow the pressure and the normal; lagged otherwise.
-    pub follow: bool,
+    pub update_friction: bool,
     /// Flag: Hessians are complete, with second derivatives that are harmful far from a solution.
-    pub sharp: bool,
+    pub complete_hessian: bool,
     /// Flag: slipping points also have stiffness along their slip, by the secant of their friction energy: steps are
     /// shorter, but descend over a longer range.
     pub secant: bool,
@@ -26,9 +26,9 @@ pub struct Assembly {
 
 impl Assembly {
     /// Options near a solution: friction follows, Hessians are complete.
-    pub const WHOLE: Self = Self { project: false, follow: true, sharp: true, secant: false };
-    /// [`Assembly::WHOLE`] with projected Hessians.
-    pub const PROJECTED: Self = Self { project: true, ..Self::WHOLE };
+    pub const COMPLETE: Self = Self { project: false, update_friction: true, complete_hessian: true, secant: false };
+    /// [`Assembly::COMPLETE`] with projected Hessians.
+    pub const PROJECTED: Self = Self { project: true, ..Self::COMPLETE };
 }
 
 /// Copies a term behind its trait object; implemented for every term that is `Clone`.
@@ -51,9 +51,9 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn assemble(&mut self, body: &Body, view: &BodyView, how: Assembly, block: &mut BodyBlock);
     /// Adds to the gradients of `change` the change of the term's forces along a small `motion` that its (symmetric)
     /// Hessian does not include.
-    fn couple(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
+    fn add_nonsymmetric_change(&self, _body: &Body, _view: &BodyView, _motion: &BodyMotion, _change: &mut BodyBlock) {}
     /// Begins an increment: the next solves start from this accepted state.
-    fn depart(&mut self, _from: &Departure) {}
+    fn begin_increment(&mut self, _from: &IncrementStart) {}
     /// Distance by which every point may move before the term must be evaluated again, m.
     fn clearance(&self, _body: &Body, _view: &BodyView) -> f64 {
         f64::INFINITY
@@ -64,7 +64,7 @@ pub trait BodyTerm: TermClone + Send + Sync {
     fn rollback(&mut self) {}
     /// Returns true if the converged state satisfies the conditions of the term beyond equilibrium (no penetration); if
     /// not, the term has stiffened itself and the solve continues.
-    fn satisfied(&mut self, _body: &Body, _view: &BodyView) -> bool {
+    fn enforce_constraints(&mut self, _body: &Body, _view: &BodyView) -> bool {
         true
     }
     /// Number of contact edges of the term, open ones included.
@@ -97,7 +97,7 @@ pub trait ObjectTerm: Send + Sync {
     fn assemble(&mut self, view: &ObjectView, how: Assembly, block: &mut RigidBlock);
     /// Adds to `change` the change of the term's forces along a small `motion` that its (symmetric) Hessian does not
     /// include.
-    fn couple(&self, _view: &ObjectView, _motion: &ObjectIncrement, _change: &mut RigidBlock) {}
+    fn add_nonsymmetric_change(&self, _view: &ObjectView, _motion: &ObjectIncrement, _change: &mut RigidBlock) {}
     /// Distance by which every point may move before the term must be evaluated again, m.
     fn clearance(&self, _view: &ObjectView) -> f64 {
         f64::INFINITY
@@ -107,7 +107,7 @@ pub trait ObjectTerm: Send + Sync {
     /// Rejects the increment: discards all changes since the last commit.
     fn rollback(&mut self) {}
     /// Returns true if the converged state satisfies the conditions of the term beyond equilibrium.
-    fn satisfied(&mut self) -> bool {
+    fn enforce_constraints(&mut self) -> bool {
         true
     }
     /// Writes everything that the next increment depends on.
@@ -138,9 +138,9 @@ impl BodyTerm for ElasticEnergy {
 
 /// Dead loads on nodes: potential `-sum f . x`.
 #[derive(Debug, Clone)]
-pub struct DeadLoad(pub Vec<DVec3>);
+pub struct NodalLoads(pub Vec<DVec3>);
 
-impl BodyTerm for DeadLoad {
+impl BodyTerm for NodalLoads {
     fn energy(&self, _: &Body, view: &BodyView) -> f64 {
         -self.0.iter().zip(view.x).map(|(f, x)| f.dot(*x)).sum::<f64>()
     }

@@ -1,7 +1,7 @@
 //! Viscosity of the gel.
 
 use super::block::BodyBlock;
-use super::state::{BodyView, Departure};
+use super::state::{BodyView, IncrementStart};
 use super::term::{Assembly, BodyTerm};
 use crate::body::Body;
 use crate::body::pattern::FIXED;
@@ -74,7 +74,7 @@ impl BodyTerm for Viscosity {
         }
     }
 
-    fn depart(&mut self, from: &Departure) {
+    fn begin_increment(&mut self, from: &IncrementStart) {
         self.size = from.step.map_or(self.size, |step| step.size);
     }
 

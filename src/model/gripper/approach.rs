@@ -2,7 +2,7 @@
 
 use geometry::shape::SignedDistance;
 use glam::{DMat3, DVec2, DVec3};
-use mech::contact::{ContactSurface, Feature};
+use mech::contact::{ContactSurface, ContactVertex};
 
 /// Result of closing a finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub fn approach(
     x: &[DVec3],
     closing: DVec3,
     object: &dyn SignedDistance,
-    features: &[Feature],
+    features: &[ContactVertex],
     position: DVec3,
     rotation: DMat3,
     stroke: f64,

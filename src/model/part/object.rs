@@ -8,7 +8,7 @@ use geometry::mesh::io::read_tri_mesh;
 use geometry::mesh::{TriMesh, show};
 use geometry::shape::{Shape, ShapeKind, SurfaceDefinition, sound};
 use glam::DVec3;
-use mech::contact::Feature;
+use mech::contact::ContactVertex;
 use scene::leaf::LENGTH_LIMIT;
 use scene::{self, object as o};
 use std::sync::Arc;
@@ -179,7 +179,7 @@ fn kind(shape: &o::ObjectShape) -> ShapeKind {
 ///
 /// # Errors
 /// Fails if there are more than `MAX_FEATURES` vertices.
-pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature]>> {
+pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[ContactVertex]>> {
     let count = shape.features.count(spacing, offset);
     if count > MAX_FEATURES {
         return Err(Error::Mesh(format!(
@@ -189,6 +189,6 @@ pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Feature
         )));
     }
     let points = shape.features.sample(0.5 * spacing, offset).into_iter();
-    let fixed = points.map(|f| Feature { position: f.position, sharp: f.sharp, along: None });
-    Ok(fixed.chain(shape.features.stretches(spacing, offset).map(Feature::along)).collect())
+    let fixed = points.map(|f| ContactVertex { position: f.position, sharp: f.sharp, segment: None });
+    Ok(fixed.chain(shape.features.stretches(spacing, offset).map(ContactVertex::on_segment)).collect())
 }

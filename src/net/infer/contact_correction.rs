@@ -111,7 +111,7 @@ fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose)
         // A node without pressing force matters only if it penetrates the object.
         let reach = if force > 0.0 { f64::INFINITY } else { finger.law.offset };
         let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
-        let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.least());
+        let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.smallest_gap());
         let wanted = if force > 0.0 { wanted } else { 0.0 };
         Some(NearNode {
             gap: closest.distance - wanted,

@@ -11,7 +11,7 @@
 use super::compliance::Compliance;
 use crate::matrix::product::{PackedMatrix, RowsView, multiply_lanes};
 use glam::DVec3;
-use mech::contact::coulomb::{kept, slips};
+use mech::contact::coulomb::{cone_factor, slips};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Number of gradient steps.
@@ -347,7 +347,7 @@ impl Node {
         let wanted = [0, 1, 2].map(|a| self.along[a][load] + gain * sliding[a]);
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2]).sqrt();
         let most = friction * self.pressure[load];
-        let part = kept(length, most);
+        let part = cone_factor(length, most);
         let bends = if slips(length, most) && most > 0.0 { 1.0 / (most * most) } else { 0.0 };
         (wanted.map(|w| w * part), part, bends)
     }

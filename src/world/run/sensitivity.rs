@@ -111,7 +111,8 @@ pub fn sensitivity(
             Change::Turn | Change::Shift => model.clone(),
             Change::Friction | Change::Release => Model::build(&changed_scene(change, scene, model))?,
         };
-        let posed: Vec<_> = grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose, midpoint))).collect();
+        let posed: Vec<_> =
+            grasps.iter().map(|(index, pose)| (*index, changed_pose(change, *pose, midpoint))).collect();
         let last = LastFrames::default();
         let outcomes = run_grasps(&changed, stepper, &posed, threads, &last)?;
         let mut other = FinalStates::of(&outcomes, last).0;

@@ -20,17 +20,17 @@ mod patch;
 mod term;
 
 pub use pad::CondensedPad;
-pub use patch::choose;
+pub use patch::patch_nodes;
 pub use term::CondensedEnergy;
 
 use base::error;
 use base::saved_state::{StateReader, StateWriter};
-use base::scales::FIRST_DEPTH;
+use base::scales::FIRST_PATCH_PENETRATION;
 use geometry::Pose;
 use glam::DVec3;
 use mech::newton::Failure;
 use mech::path::continuation::PadDiscretisation;
-use mech::path::{Advanced, Path};
+use mech::path::{AdvanceCost, Path};
 use mech::potential::state::{RigidUnknowns, State};
 use mech::potential::stencil::Stencil;
 use model::Model;
@@ -47,11 +47,11 @@ pub struct Condensation {
 }
 
 /// Out-of-balance force accepted in a result, over the contact forces and over the accepted error.
-const BALANCE: f64 = 0.1;
+const RESULT_TOLERANCE_RATIO: f64 = 0.1;
 /// Number of corrections after which a level fails.
-const CORRECTIONS: u32 = 8;
+const MAX_CORRECTIONS: u32 = 8;
 /// Largest ratio of a correction to the previous one. Above it, the stiffness is out of date.
-const CONTRACTION: f64 = 0.3;
+const LARGEST_CORRECTION_RATIO: f64 = 0.3;
 
 impl Condensation {
     /// Creates the condensation of the pads of `model` under the dead loads `dead` (N per node; empty lists for none).
@@ -71,13 +71,13 @@ impl Condensation {
     ///
     /// # Errors
     /// Returns [`Failure::Singular`] if the stiffness cannot be factorised.
-    pub fn begin(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
-        let patches = self.patches(path, model, FIRST_DEPTH * model.offset);
+    pub fn condense_at_contact(&mut self, path: &mut Path, model: &Model) -> Result<(), Failure> {
+        let patches = self.patches(path, model, FIRST_PATCH_PENETRATION * model.offset);
         self.condense(path, patches)
     }
 
     /// Returns the condensed pads of `model`, for a continuation.
-    pub fn of<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
+    pub fn discretisation<'a>(&'a mut self, model: &'a Model) -> CondensedPads<'a> {
         CondensedPads { pads: self, model }
     }
 
@@ -89,21 +89,21 @@ impl Condensation {
         model: &Model,
         level: f64,
         result: bool,
-        done: &mut Advanced,
+        done: &mut AdvanceCost,
     ) -> Result<(), Failure> {
         let mut last = f64::INFINITY;
-        for _ in 0..CORRECTIONS {
+        for _ in 0..MAX_CORRECTIONS {
             let (error, residual) = self.correct(path)?;
             done.residual = residual;
-            let grown = self.grow(path, model)?;
+            let grown = self.enlarge_patches(path, model)?;
             // Only a result has to satisfy the balance of forces.
-            let balanced = !result || residual <= BALANCE * self.error * path.newton.activity();
+            let balanced = !result || residual <= RESULT_TOLERANCE_RATIO * self.error * path.newton.force_scale();
             if error <= self.error && balanced && !grown {
                 self.accept(level);
                 return Ok(());
             }
-            if error > CONTRACTION * last && !grown {
-                self.condense_again(path)?;
+            if error > LARGEST_CORRECTION_RATIO * last && !grown {
+                self.recondense(path)?;
             }
             last = error;
             done.add(path.solve_tightly()?);
@@ -113,23 +113,23 @@ impl Condensation {
 
     /// Corrects the pads of `model` once at the intermediate state found at `level`; recondenses them if the correction
     /// exceeds the accepted error or contact has outgrown their patches.
-    fn adjust(&mut self, path: &mut Path, model: &Model, level: f64) -> Result<(), Failure> {
+    fn correct_once(&mut self, path: &mut Path, model: &Model, level: f64) -> Result<(), Failure> {
         let (error, _) = self.correct(path)?;
         self.accept(level);
-        if !self.grow(path, model)? && error > self.error {
-            self.condense_again(path)?;
+        if !self.enlarge_patches(path, model)? && error > self.error {
+            self.recondense(path)?;
         }
         Ok(())
     }
 
     /// Recondenses the pads whose contact has outgrown their patches onto larger ones, in the state of `path`; returns
     /// true if there are any.
-    fn grow(&mut self, path: &mut Path, model: &Model) -> Result<bool, Failure> {
-        let outside: Vec<bool> = (0..self.pads.len()).map(|i| self.is_outside(path, i)).collect();
+    fn enlarge_patches(&mut self, path: &mut Path, model: &Model) -> Result<bool, Failure> {
+        let outside: Vec<bool> = (0..self.pads.len()).map(|i| self.exceeds_patch(path, i)).collect();
         if !outside.contains(&true) {
             return Ok(false);
         }
-        path.methods.condensed_anew += 1;
+        path.methods.recondensed += 1;
         let patches = self.patches(path, model, 0.0).into_iter().zip(outside);
         let patches = patches.map(|(patch, outside)| patch.filter(|_| outside)).collect();
         self.condense(path, patches)?;
@@ -143,7 +143,7 @@ impl Condensation {
     }
 
     /// Recondenses the pads onto the same nodes, with their stiffness in the state of `path`.
-    fn condense_again(&mut self, path: &mut Path) -> Result<(), Failure> {
+    fn recondense(&mut self, path: &mut Path) -> Result<(), Failure> {
         let same = self.pads.iter().map(|pad| Some(pad.patch().to_vec())).collect();
         self.condense(path, same)
     }
@@ -161,11 +161,11 @@ impl Condensation {
         for (i, body) in bodies.into_iter().enumerate() {
             match body {
                 Ok(None) => {}
-                Ok(Some(body)) => path.newton.exchange(i, body).map_err(|_| Failure::Singular)?,
+                Ok(Some(body)) => path.newton.replace_body(i, body).map_err(|_| Failure::Singular)?,
                 Err(failure) => condensed = Err(failure),
             }
         }
-        self.install(path);
+        self.install_terms(path);
         path.newton.profile.factorization += clock.elapsed().as_secs_f64();
         condensed
     }
@@ -183,7 +183,7 @@ impl Condensation {
         if !error.is_finite() {
             return Err(Failure::Singular);
         }
-        self.install(path);
+        self.install_terms(path);
         Ok((error, residual))
     }
 
@@ -198,12 +198,12 @@ impl Condensation {
         let factor = (level - last) / (last - before);
         if factor.is_finite() {
             self.pads.iter_mut().for_each(|pad| pad.predict(factor.clamp(0.0, 2.0)));
-            self.install(path);
+            self.install_terms(path);
         }
     }
 
     /// Passes the terms of the pads to the solver.
-    fn install(&self, path: &mut Path) {
+    fn install_terms(&self, path: &mut Path) {
         for (pad, gel) in self.pads.iter().zip(&mut path.newton.gel) {
             *gel = vec![Box::new(pad.term())];
         }
@@ -223,16 +223,16 @@ impl Condensation {
         self.levels = history.read()?;
         for (i, pad) in self.pads.iter_mut().enumerate() {
             if let Some(body) = pad.restore_state(history)? {
-                path.newton.exchange(i, body)?;
+                path.newton.replace_body(i, body)?;
             }
         }
-        self.install(path);
+        self.install_terms(path);
         Ok(())
     }
 
     /// Returns true if contact has reached nodes of pad `i` outside its patch.
-    fn is_outside(&self, path: &Path, i: usize) -> bool {
-        touched(path, i).any(|stencil| !self.pads[i].carries(&stencil))
+    fn exceeds_patch(&self, path: &Path, i: usize) -> bool {
+        pressed_stencils(path, i).any(|stencil| !self.pads[i].contains(&stencil))
     }
 
     /// Returns, for every pad, the nodes that may touch the object in the state of `path`, or would if the object came
@@ -241,7 +241,7 @@ impl Condensation {
         let pads = model.fingers.par_iter().enumerate();
         let of = |(i, finger)| {
             let view = path.state.view(i, &path.newton.rigid);
-            Some(choose(finger, &view, &model.object, model.offset, nearer, touched(path, i)))
+            Some(patch_nodes(finger, &view, &model.object, model.offset, nearer, pressed_stencils(path, i)))
         };
         pads.map(of).collect()
     }
@@ -254,7 +254,7 @@ pub struct CondensedPads<'a> {
 }
 
 impl PadDiscretisation for CondensedPads<'_> {
-    fn corrects(&self) -> bool {
+    fn needs_checkpoint(&self) -> bool {
         true
     }
 
@@ -262,18 +262,18 @@ impl PadDiscretisation for CondensedPads<'_> {
         self.pads.predict(path, level);
     }
 
-    fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut Advanced) -> Result<(), Failure> {
+    fn correct(&mut self, path: &mut Path, level: f64, result: bool, done: &mut AdvanceCost) -> Result<(), Failure> {
         self.pads.correct_until_converged(path, self.model, level, result, done)
     }
 
-    fn adjust(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
-        self.pads.adjust(path, self.model, level)
+    fn correct_once(&mut self, path: &mut Path, level: f64) -> Result<(), Failure> {
+        self.pads.correct_once(path, self.model, level)
     }
 
     fn restore(&mut self, path: &mut Path) {
         self.pads.pads.iter_mut().for_each(CondensedPad::restore);
         // The terms restored with the path belong to the previous patches.
-        self.pads.install(path);
+        self.pads.install_terms(path);
     }
 }
 
@@ -290,12 +290,12 @@ pub fn nodes_at_contact(model: &Model, pose: &Pose, travel: &[f64]) -> Vec<usize
         rotation: pose.rotation,
     };
     let pads = model.fingers.iter().enumerate();
-    let patch = |(i, f)| choose(f, &state.view(i, &rigid), &model.object, model.offset, 0.0, std::iter::empty());
+    let patch = |(i, f)| patch_nodes(f, &state.view(i, &rigid), &model.object, model.offset, 0.0, std::iter::empty());
     pads.map(|pad| patch(pad).len()).collect()
 }
 
 /// Returns the stencils of pad `i` that are under contact pressure.
-fn touched(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
+fn pressed_stencils(path: &Path, i: usize) -> impl Iterator<Item = Stencil> {
     let edges = path.newton.edge_readings(&path.state, i).into_iter();
     edges.filter(|edge| edge.state.pressure > 0.0).map(|edge| edge.touched)
 }
@@ -320,20 +320,20 @@ mod tests {
         let pose = Pose { position: place.position, rotation: place.rotation };
         let scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
         let mut solver = GraspSolver::new(&model, pose, settings).unwrap();
-        solver.back_off(&model).unwrap();
+        solver.approach_object(&model).unwrap();
         let mut pads = Condensation::new(&model, vec![Vec::new(); model.fingers.len()], 0.01);
-        pads.begin(&mut solver.path, &model).unwrap();
+        pads.condense_at_contact(&mut solver.path, &model).unwrap();
         let (saved, before) = (solver.path.checkpoint(), pads.pad(0).patch().len());
         solver.path.state.travel.iter_mut().for_each(|travel| *travel += 1e-3);
         let deeper = solver.path.state.clone();
-        solver.path.newton.assemble(&deeper, Assembly::WHOLE);
+        solver.path.newton.assemble(&deeper, Assembly::COMPLETE);
         solver.path.newton.commit(&deeper);
-        pads.of(&model).adjust(&mut solver.path, 1.0).unwrap();
+        pads.discretisation(&model).correct_once(&mut solver.path, 1.0).unwrap();
         assert!(pads.pad(0).patch().len() > before, "{before} nodes, and no more 1 mm deeper");
         solver.path.restore(saved);
-        pads.of(&model).restore(&mut solver.path);
+        pads.discretisation(&model).restore(&mut solver.path);
         let (state, newton) = (solver.path.state.clone(), &mut solver.path.newton);
-        newton.assemble(&state, Assembly::WHOLE);
-        assert!(newton.factorize(&state, Assembly::WHOLE) && newton.profile.projections == 0);
+        newton.assemble(&state, Assembly::COMPLETE);
+        assert!(newton.factorize(&state, Assembly::COMPLETE) && newton.profile.projections == 0);
     }
 }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Pad with the factor of its stiffness.
 pub struct CondensedPad {
     body: Arc<Body>,
-    dead: Vec<DVec3>,
+    dead_loads: Vec<DVec3>,
     eliminated: Option<(Arc<Body>, SinglePrecisionFactor)>,
     patch: Arc<[u32]>,
     stiffness: Arc<Mat<f64>>,
@@ -42,12 +42,12 @@ pub(crate) struct Correction {
 }
 
 impl CondensedPad {
-    /// Creates the pad of `finger` under `dead` loads (N per node; empty for none), not condensed yet.
-    pub fn new(finger: &FingerModel, dead: Vec<DVec3>) -> Self {
+    /// Creates the pad of `finger` under `dead_loads` (N per node; empty for none), not condensed yet.
+    pub fn new(finger: &FingerModel, dead_loads: Vec<DVec3>) -> Self {
         let rest = finger.body.rest.clone();
         Self {
             body: finger.body.clone(),
-            dead,
+            dead_loads,
             eliminated: None,
             patch: Arc::from([]),
             stiffness: Arc::new(Mat::new()),
@@ -70,11 +70,11 @@ impl CondensedPad {
 
     /// Returns the potential of the full pad at positions `x`, J.
     pub fn energy(&self, x: &[DVec3]) -> f64 {
-        self.body.energy(x) - self.dead.iter().zip(x).map(|(f, x)| f.dot(*x)).sum::<f64>()
+        self.body.energy(x) - self.dead_loads.iter().zip(x).map(|(f, x)| f.dot(*x)).sum::<f64>()
     }
 
     /// Returns true if a force at `stencil` acts only on nodes of the patch or on bonded ones.
-    pub fn carries(&self, stencil: &Stencil) -> bool {
+    pub fn contains(&self, stencil: &Stencil) -> bool {
         stencil.slices().0.iter().all(|n| self.body.fixed[*n as usize] || self.patch.binary_search(n).is_ok())
     }
 
@@ -102,7 +102,7 @@ impl CondensedPad {
         let mut factorized = false;
         for project in [false, true] {
             let mut values = vec![0.0; body.pattern().row_idx.len()];
-            self.gradient = loads(&self.dead, x.len());
+            self.gradient = dead_load_gradient(&self.dead_loads, x.len());
             body.add_stiffness(x, project, &mut self.gradient, &mut values);
             factorized = factor.factorize(body.pattern(), &values);
             if factorized {
@@ -165,7 +165,7 @@ impl CondensedPad {
         x.iter_mut().zip(&self.center).zip(nodes(body, &moved)).for_each(|((x, c), u)| *x = *c + u);
         // The positions of the patch are given; the single-precision solution must not round them.
         self.patch.iter().zip(patch).for_each(|(&n, given)| x[n as usize] = given);
-        self.gradient = loads(&self.dead, x.len());
+        self.gradient = dead_load_gradient(&self.dead_loads, x.len());
         body.add_gradient(x, &mut self.gradient);
         contact.iter_mut().zip(&self.gradient).for_each(|(f, g)| *f = *g - *f);
         let change = solve(body, factor, &contact);
@@ -199,8 +199,8 @@ impl CondensedPad {
 }
 
 /// Returns the gradient of the dead loads alone, N.
-fn loads(dead: &[DVec3], nodes: usize) -> Vec<DVec3> {
-    let mut gradient: Vec<DVec3> = dead.iter().map(|f| -*f).collect();
+fn dead_load_gradient(dead_loads: &[DVec3], nodes: usize) -> Vec<DVec3> {
+    let mut gradient: Vec<DVec3> = dead_loads.iter().map(|f| -*f).collect();
     gradient.resize(nodes, DVec3::ZERO);
     gradient
 }

@@ -8,11 +8,11 @@ use model::part::FingerModel;
 use std::collections::BTreeSet;
 
 /// Number of nodes up to which a patch has the margin `SMALL_PATCH_MARGIN`.
-const SMALL: usize = 64;
+const SMALL_PATCH_NODES: usize = 64;
 
 /// Returns the free nodes of the patch, ascending: those of the `touched` stencils, and those of the pad's vertices
 /// that are within the contact `offset` (m) of the object, or would be if it came `nearer` (m), with a margin.
-pub fn choose(
+pub fn patch_nodes(
     finger: &FingerModel,
     view: &BodyView,
     object: &Shape,
@@ -29,7 +29,7 @@ pub fn choose(
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut patch = BTreeSet::new();
     for (distance, stencil) in near {
-        if distance > reach + PATCH_MARGIN * offset && patch.len() >= SMALL {
+        if distance > reach + PATCH_MARGIN * offset && patch.len() >= SMALL_PATCH_NODES {
             break;
         }
         patch.extend(stencil.slices().0.iter().filter(|n| !finger.body.fixed[**n as usize]));

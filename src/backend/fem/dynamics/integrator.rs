@@ -1,17 +1,17 @@
 //! Implicit time integration of a dynamic grasp (backward Euler): each step extrapolates the motion, solves for the end
 //! of the step by Newton's method and accepts it; a step that fails is rolled back and repeated with a smaller size.
 
-use super::{advance, terms};
+use super::{initial_guess, terms};
 use base::error;
 use base::saved_state::{StateReader, StateWriter};
-use base::scales::SAFE_MOTION;
+use base::scales::LARGEST_PREDICTED_MOTION;
 use bevy_ecs::prelude::*;
 use geometry::Pose;
 use glam::DQuat;
-use mech::newton::effort::most_iterations;
+use mech::newton::effort::iteration_limit;
 use mech::newton::{Failure, NewtonTolerance};
 use mech::path::step_size::StepSize;
-use mech::path::{Advanced, Path};
+use mech::path::{AdvanceCost, Path};
 use mech::potential::state::State;
 use mech::potential::time_step::TimeStep;
 use model::{Dynamics, Model};
@@ -34,12 +34,12 @@ pub struct Integrator {
 }
 
 /// Shortest step, over the time step; if it fails, the grasp ends.
-const SHORTEST: f64 = 1.0 / 64.0;
+const SHORTEST_TIME_STEP: f64 = 1.0 / 64.0;
 /// Residual of a time step over that of a quasi-static increment: momentum errors accumulate over the steps.
 const TIME_STEP_TOLERANCE: f64 = 1e-2;
 /// Largest motion of any point in an iteration, in a scene with pads, over that of a quasi-static increment. Without
 /// pads the motion is unlimited: there is nothing to jump over.
-const STRIDE: f64 = 2.0;
+const MOTION_FACTOR: f64 = 2.0;
 
 impl Integrator {
     /// Creates the integrator at time zero for the motions of `dynamics`. `pose` is the pose of the hand in the object
@@ -63,17 +63,17 @@ impl Integrator {
         dynamics: &Dynamics,
         settings: &scene::Fem,
         end: f64,
-    ) -> Result<Advanced, (f64, Failure)> {
+    ) -> Result<AdvanceCost, (f64, Failure)> {
         if self.before.is_none() {
             self.begin(path, model, dynamics, settings);
         }
         let (from, whole) = (self.time, end - self.time);
         let steps = (whole / dynamics.time_step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
-        let mut done = Advanced::default();
+        let mut done = AdvanceCost::default();
         for k in 1..=steps {
             // The last step ends at `end` exactly.
             let to = if k == steps { end } else { from + whole * k as f64 / steps as f64 };
-            let shortest = (to - self.time) * SHORTEST;
+            let shortest = (to - self.time) * SHORTEST_TIME_STEP;
             while self.time < to {
                 let rest = to - self.time;
                 let size = self.size.next(rest);
@@ -82,7 +82,7 @@ impl Integrator {
                 match self.step(path, model, dynamics, end, &mut done) {
                     Ok(()) => self.size.accept(size, done.iterations - before, 0.0, 0.0),
                     Err(failure) if size <= shortest || failure.is_out_of_effort() => return Err((end, failure)),
-                    Err(_) => self.size.refuse(size, None),
+                    Err(_) => self.size.reject(size, None),
                 }
             }
         }
@@ -97,7 +97,7 @@ impl Integrator {
         terms::add(&mut path.newton, model, dynamics, &path.state, self.hand.pose);
         let end = model.levels.last().copied().unwrap_or(0.0);
         let steps = (end / dynamics.time_step).ceil() as usize;
-        path.newton.effort.iterations = most_iterations(settings.max_iterations.get() as u32, steps);
+        path.newton.effort.iterations = iteration_limit(settings.max_iterations.get() as u32, steps);
         let relative = TIME_STEP_TOLERANCE * settings.tolerance.force.get();
         let force = dynamics.rated_force + model.mass * dynamics.gravity.length().max(1.0);
         let usual = NewtonTolerance::new(model.offset);
@@ -106,7 +106,7 @@ impl Integrator {
             force: 1e-2 * relative * force,
             length: settings.tolerance.displacement.map_or(usual.length, |length| length.get()),
             iterations: settings.max_iterations.get() as u32,
-            motion: if model.fingers.is_empty() { f64::INFINITY } else { STRIDE * usual.motion },
+            max_motion: if model.fingers.is_empty() { f64::INFINITY } else { MOTION_FACTOR * usual.max_motion },
             ..usual
         };
         // The object was already moving before the start.
@@ -153,7 +153,7 @@ impl Integrator {
         model: &Model,
         dynamics: &Dynamics,
         end: f64,
-        done: &mut Advanced,
+        done: &mut AdvanceCost,
     ) -> Result<(), Failure> {
         let size = end - self.time;
         let hand = dynamics.hand(&self.pose, end);
@@ -161,7 +161,7 @@ impl Integrator {
         let newton = &mut path.newton;
         newton.step = Some(step);
         // The choice of the initial guess below compares energies, which depend on the start of the step.
-        newton.depart(&path.state);
+        newton.begin_increment(&path.state);
         newton.force.fill(hand.force / model.fingers.len().max(1) as f64);
         let mut here = path.state.clone();
         let mut predicted = match &self.before {
@@ -172,7 +172,8 @@ impl Integrator {
             hold_in_world(&mut here, &hand.pose);
             hold_in_world(&mut predicted, &hand.pose);
         }
-        let start = advance::start(newton, &here, predicted, SAFE_MOTION * path.tolerance.offset);
+        let start =
+            initial_guess::initial_guess(newton, &here, predicted, LARGEST_PREDICTED_MOTION * path.tolerance.offset);
         match newton.solve(&path.state, start, &path.tolerance) {
             Ok((state, converged)) => {
                 newton.commit(&state);

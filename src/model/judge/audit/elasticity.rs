@@ -8,7 +8,7 @@ use super::inversion::EDGES;
 use glam::{DMat3, DVec3};
 use mech::body::Body;
 use mech::material::Dilatation;
-use mech::potential::inversion_barrier::{FELT, STIFFNESS};
+use mech::potential::inversion_barrier::{BARRIER_STIFFNESS, BARRIER_THRESHOLD};
 use rayon::prelude::*;
 use record::ElementNodes;
 
@@ -99,8 +99,8 @@ fn element_gradient(body: &Body, nodes: &[u32], x: &[DVec3]) -> Vec<DVec3> {
         for (l, volume) in on_nodes.chain([([0.25; 4], volume)]) {
             let point = point(l);
             let j = point.f.determinant();
-            if j < FELT {
-                let slope = -STIFFNESS * law.moduli().mu * (1.0 - j / FELT) / FELT;
+            if j < BARRIER_THRESHOLD {
+                let slope = -BARRIER_STIFFNESS * law.moduli().mu * (1.0 - j / BARRIER_THRESHOLD) / BARRIER_THRESHOLD;
                 point.add(point.f.inverse().transpose() * (j * slope), volume, &mut forces);
             }
         }

@@ -14,7 +14,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Mat, Par};
 use geometry::Wrench;
 use glam::{DQuat, DVec3};
-use mech::contact::coulomb::{kept, tangential};
+use mech::contact::coulomb::{cone_factor, tangential};
 use rayon::prelude::*;
 
 /// Number of rigid unknowns: travel of two fingers (the first one for both, if they are geared), translation and
@@ -99,7 +99,7 @@ impl RigidEquilibrium {
                 let push = force.dot(normal).max(0.0);
                 // Friction carries no more than Coulomb's limit.
                 let (along, _) = tangential(*force, normal, self.friction);
-                let along = along * kept(along.length(), self.friction * push);
+                let along = along * cone_factor(along.length(), self.friction * push);
                 if contact.active[function] { normal * push + along } else { DVec3::ZERO }
             };
             now.force[p] = contact.force.iter().enumerate().map(held).collect();

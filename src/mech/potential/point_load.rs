@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 
 /// Dead load at a point of the object: potential `-f . x`.
 #[derive(Debug, Clone, Copy)]
-pub struct DeadForce {
+pub struct PointLoad {
     /// Full force, N, hand frame.
     pub force: DVec3,
     /// Point in the object frame, m.
@@ -17,22 +17,22 @@ pub struct DeadForce {
     /// Position of the point at the start, hand frame, m: reference of the potential, which avoids cancellation.
     pub start: DVec3,
     /// Acting fraction of the force: a support carries the rest of a weight, and a push is raised gradually.
-    pub part: f64,
+    pub fraction: f64,
 }
 
-impl DeadForce {
+impl PointLoad {
     /// Creates a load of `force` N at `point` (object frame, m), which is at `start` (hand frame, m).
     pub fn new(force: DVec3, point: DVec3, start: DVec3) -> Self {
-        Self { force, point, start, part: 1.0 }
+        Self { force, point, start, fraction: 1.0 }
     }
 
     /// Acting force, N.
     fn acting(&self) -> DVec3 {
-        self.force * self.part
+        self.force * self.fraction
     }
 }
 
-impl ObjectTerm for DeadForce {
+impl ObjectTerm for PointLoad {
     fn energy(&self, view: &ObjectView) -> f64 {
         -self.acting().dot(view.position + view.rotation * self.point - self.start)
     }
@@ -55,15 +55,15 @@ impl ObjectTerm for DeadForce {
                 }
             }
         }
-        block.activity += f.length();
+        block.force_scale += f.length();
     }
 
     fn save_state(&self, history: &mut StateWriter) {
-        history.write(&(self.force, self.part));
+        history.write(&(self.force, self.fraction));
     }
 
     fn restore_state(&mut self, history: &mut StateReader) -> Result<()> {
-        (self.force, self.part) = history.read()?;
+        (self.force, self.fraction) = history.read()?;
         Ok(())
     }
 }

@@ -4,13 +4,13 @@ use mech::newton::Newton;
 use mech::potential::state::State;
 
 /// Largest number of moves towards a prediction.
-const MOVES: usize = 32;
+const MAX_ADVANCEMENTS: usize = 32;
 
 /// Returns the initial guess of Newton's method for a time step from the state `from`. This is `predicted`, the
 /// extrapolated state, if its potential is not higher than that of `from` and no point moves by more than `safe` (m),
 /// so that nothing passes through a pad. Otherwise it is the last state without contact on the way to `predicted`
 /// (conservative advancement, Mirtich and Canny 1995), if its potential is not higher; otherwise it is `from`.
-pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
+pub fn initial_guess(newton: &Newton, from: &State, predicted: State, safe: f64) -> State {
     let motion = largest_motion(newton, from, &predicted);
     let (here, there) = (newton.energy(from), newton.energy(&predicted));
     // False for inverted elements, whose energy is not finite.
@@ -26,7 +26,7 @@ pub fn start(newton: &Newton, from: &State, predicted: State, safe: f64) -> Stat
 fn approach(newton: &Newton, from: &State, to: &State, motion: f64) -> State {
     let mut part = 0.0;
     let mut state = from.clone();
-    for _ in 0..MOVES {
+    for _ in 0..MAX_ADVANCEMENTS {
         let clearance = newton.clearance(&state);
         if clearance <= 0.0 || part >= 1.0 {
             break;

@@ -1,10 +1,10 @@
 //! Quantities of the full pads from the solver of a grasp, whether the pads are condensed or not; start of the
 //! condensation and fallback to the full model.
 
-use super::solver::{GraspSolver, gel, gel_loads};
+use super::solver::{GraspSolver, full_pad_terms, gel_weight_per_node};
 use glam::DVec3;
 use mech::body::Body;
-use mech::potential::inversion_barrier::is_crushed;
+use mech::potential::inversion_barrier::needs_inversion_barrier;
 use mech::potential::term::BodyTerm;
 use model::Model;
 use rayon::prelude::*;
@@ -16,8 +16,8 @@ impl GraspSolver {
     /// # Errors
     /// Fails with the reason if the stiffness of a pad cannot be factorised.
     pub(crate) fn condense(&mut self, model: &Model) -> std::result::Result<(), String> {
-        let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.begin(&mut self.path, model));
-        begun.map_err(|f| self.explain(model, "condensing the pads", f))
+        let begun = self.condensed.as_mut().map_or(Ok(()), |pads| pads.condense_at_contact(&mut self.path, model));
+        begun.map_err(|f| self.failure_message(model, "condensing the pads", f))
     }
 
     /// Returns false if an element of a condensed pad is close to inversion: det F is below 0.02 at a node or at the
@@ -25,7 +25,7 @@ impl GraspSolver {
     pub(crate) fn has_no_near_inversion(&self) -> bool {
         let pads = self.condensed.as_ref();
         pads.is_none_or(|pads| {
-            !self.path.state.x.par_iter().enumerate().any(|(i, x)| is_crushed(pads.pad(i).body(), x))
+            !self.path.state.x.par_iter().enumerate().any(|(i, x)| needs_inversion_barrier(pads.pad(i).body(), x))
         })
     }
 
@@ -33,12 +33,12 @@ impl GraspSolver {
     ///
     /// # Errors
     /// Fails if the symbolic factorisation of a full pad fails.
-    pub(crate) fn release(&mut self, model: &Model) -> std::result::Result<(), String> {
+    pub(crate) fn fall_back_to_full_pads(&mut self, model: &Model) -> std::result::Result<(), String> {
         self.condensed = None;
-        self.path.recover();
+        self.path.halve_spent_iterations();
         for (i, finger) in model.fingers.iter().enumerate() {
-            self.path.newton.exchange(i, finger.body.clone()).map_err(|e| e.to_string())?;
-            self.path.newton.gel[i] = gel(gel_loads(model, i, self.progress.start));
+            self.path.newton.replace_body(i, finger.body.clone()).map_err(|e| e.to_string())?;
+            self.path.newton.gel[i] = full_pad_terms(gel_weight_per_node(model, i, self.progress.start));
         }
         Ok(())
     }
@@ -53,18 +53,18 @@ impl GraspSolver {
     pub fn energy(&self) -> f64 {
         let (newton, state) = (&self.path.newton, &self.path.state);
         let Some(pads) = &self.condensed else { return newton.energy(state) };
-        let whole: Vec<f64> = state.x.par_iter().enumerate().map(|(i, x)| pads.pad(i).energy(x)).collect();
+        let full: Vec<f64> = state.x.par_iter().enumerate().map(|(i, x)| pads.pad(i).energy(x)).collect();
         let condensed = state
             .x
             .iter()
             .enumerate()
             .map(|(i, _)| pads.pad(i).term().energy(newton.body(i), &state.view(i, &newton.rigid)));
-        newton.energy(state) + whole.iter().sum::<f64>() - condensed.sum::<f64>()
+        newton.energy(state) + full.iter().sum::<f64>() - condensed.sum::<f64>()
     }
 
     /// Returns the force that finger `i` exerts on its pad, N, hand frame: the sum of the reactions at the bonded nodes
     /// in the equilibrium found last.
-    pub fn mount(&self, i: usize) -> DVec3 {
+    pub fn mount_force(&self, i: usize) -> DVec3 {
         let bonded = |forces: &[DVec3]| -> DVec3 {
             forces.iter().zip(&self.body(i).fixed).filter(|(_, fixed)| **fixed).map(|(g, _)| *g).sum()
         };

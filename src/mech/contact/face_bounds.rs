@@ -52,7 +52,7 @@ impl FaceBounds {
                 }
                 count = 6;
             }
-            self.bulges.push(BULGE * sagitta);
+            self.bulges.push(QUADRATIC_BULGE_RATIO * sagitta);
             let around =
                 nodes[..count].iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |b, p| [b[0].min(*p), b[1].max(*p)]);
             (self.min, self.max) = (self.min.min(around[0]), self.max.max(around[1]));
@@ -125,7 +125,7 @@ impl FaceBounds {
         }
         let (mut best, mut nearest): (Option<ClosestPoint>, f64) = (None, limit);
         for i in first.into_iter().chain(faces.filter(|i| Some(*i) != first)) {
-            let most = nearest * (1.0 + TIE);
+            let most = nearest * (1.0 + DISTANCE_ROUNDING);
             if self.distance_bound(i, &surface.faces[i], x, y, most) > most {
                 continue;
             }
@@ -133,7 +133,7 @@ impl FaceBounds {
             let distance = closest_point.gap.abs();
             // On an edge shared by two faces, only the face that the point lies over gives the correct side.
             let better = match best {
-                Some(ClosestPoint { facing, .. }) if (distance - nearest).abs() <= TIE * nearest => {
+                Some(ClosestPoint { facing, .. }) if (distance - nearest).abs() <= DISTANCE_ROUNDING * nearest => {
                     closest_point.facing > facing
                 }
                 _ => distance < nearest,
@@ -162,6 +162,6 @@ impl FaceBounds {
 
 /// Largest distance of a quadratic face from its flat triangle, over that of its mid-edge nodes: the maximum of the sum
 /// of their shape functions.
-const BULGE: f64 = 4.0 / 3.0;
+const QUADRATIC_BULGE_RATIO: f64 = 4.0 / 3.0;
 /// Relative difference of distances that counts as rounding.
-const TIE: f64 = 1e-9;
+const DISTANCE_ROUNDING: f64 = 1e-9;

@@ -12,36 +12,36 @@ use world::schedule::{FallbackReason, SharedModel};
 
 /// Network that falls back to condensed finite elements where its predicted error is too large or unknown.
 #[derive(Debug)]
-pub struct GuardedNetwork {
+pub struct NetworkWithFallback {
     network: NetworkStepper,
-    elements: FemStepper,
+    finite_elements: FemStepper,
     /// Largest accepted predicted error of the displacement, as a fraction.
-    at_most: f64,
+    max_error: f64,
 }
 
-impl GuardedNetwork {
-    /// Creates the guard of `network` that accepts predicted errors up to `at_most`.
-    pub fn new(network: NetworkStepper, at_most: f64) -> Self {
+impl NetworkWithFallback {
+    /// Creates the stepper that falls back where the predicted error of `network` exceeds `max_error`.
+    pub fn new(network: NetworkStepper, max_error: f64) -> Self {
         let elements = Fem { solver: Solver::Condensed(Condensed::default()), ..Fem::default() };
-        Self { network, elements: FemStepper::new(&elements), at_most }
+        Self { network, finite_elements: FemStepper::new(&elements), max_error }
     }
 
     /// Returns the stepper that computes the grasp of a prepared world.
-    fn chosen(&self, world: &World) -> &dyn Stepper {
+    fn active_stepper(&self, world: &World) -> &dyn Stepper {
         match world.contains_resource::<FallbackReason>() {
-            true => &self.elements,
+            true => &self.finite_elements,
             false => &self.network,
         }
     }
 
     /// Returns the reason why the network must not compute this grasp; None if it may.
-    fn doubt(&self, world: &mut World) -> Result<Option<String>> {
+    fn fallback_reason(&self, world: &mut World) -> Result<Option<String>> {
         let model = world.get_resource::<SharedModel>().map(|shared| shared.0.clone());
-        if let Some(reason) = model.as_ref().and_then(|model| self.network.refuses(model)) {
+        if let Some(reason) = model.as_ref().and_then(|model| self.network.reason_outside_range(model)) {
             return Ok(Some(format!("the network was not trained for all loads: {reason}")));
         }
-        match self.network.prepare(world).and_then(|()| self.network.foresee(world)) {
-            Ok(error) if error <= self.at_most => Ok(None),
+        match self.network.prepare(world).and_then(|()| self.network.predict_all_loads(world)) {
+            Ok(error) if error <= self.max_error => Ok(None),
             Ok(error) if error.is_infinite() => {
                 let why = model.map(|model| self.network.notices(&model).join("; "));
                 Ok(Some(why.unwrap_or_else(|| "the error of the network is unknown".into())))
@@ -49,7 +49,7 @@ impl GuardedNetwork {
             Ok(error) => Ok(Some(format!(
                 "the displacement error of nine of ten such predictions is at most {:.1} %; accepted are {:.1} %",
                 100.0 * error,
-                100.0 * self.at_most
+                100.0 * self.max_error
             ))),
             Err(Error::Start(message)) => Ok(Some(message)),
             Err(error) => Err(error),
@@ -57,14 +57,18 @@ impl GuardedNetwork {
     }
 }
 
-impl Stepper for GuardedNetwork {
+impl Stepper for NetworkWithFallback {
     fn name(&self) -> &'static str {
         self.network.name()
     }
 
     fn settings(&self) -> String {
-        let accepted = 100.0 * self.at_most;
-        format!("{}, {} where its error bound exceeds {accepted} %", self.network.settings(), self.elements.name())
+        let accepted = 100.0 * self.max_error;
+        format!(
+            "{}, {} where its error bound exceeds {accepted} %",
+            self.network.settings(),
+            self.finite_elements.name()
+        )
     }
 
     fn solves_friction(&self) -> bool {
@@ -80,33 +84,33 @@ impl Stepper for GuardedNetwork {
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
-        if let Some(reason) = self.doubt(world)? {
+        if let Some(reason) = self.fallback_reason(world)? {
             self.network.remove_resources(world);
             world.insert_resource(FallbackReason(reason));
-            self.elements.prepare(world)?;
+            self.finite_elements.prepare(world)?;
         }
         Ok(())
     }
 
     fn register(&self, schedule: &mut Schedule, world: &mut World, model: &Model) {
-        self.chosen(world).register(schedule, world, model);
+        self.active_stepper(world).register(schedule, world, model);
     }
 
     fn save_state(&self, world: &World, history: &mut StateWriter) {
         history.write(&world.contains_resource::<FallbackReason>());
-        self.chosen(world).save_state(world, history);
+        self.active_stepper(world).save_state(world, history);
     }
 
     fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
-        let handed_over: bool = history.read()?;
-        if handed_over != world.contains_resource::<FallbackReason>() {
+        let fell_back: bool = history.read()?;
+        if fell_back != world.contains_resource::<FallbackReason>() {
             let [saved, own] =
-                [handed_over, !handed_over].map(|elements| if elements { "finite elements" } else { "the network" });
+                [fell_back, !fell_back].map(|elements| if elements { "finite elements" } else { "the network" });
             return Err(Error::Start(format!(
                 "the saved grasp was computed by {saved}, but here it would be computed by {own}: it belongs to \
                  another scene, model or version"
             )));
         }
-        self.chosen(world).restore_state(world, history)
+        self.active_stepper(world).restore_state(world, history)
     }
 }
