@@ -1,15 +1,15 @@
 //! Table of references: values of single grasps with error estimates from a mesh refinement study.
 
-use super::contest::RefinementRun;
-use super::ladder::{ErrorEstimate, RefinementStudy, Role};
+use super::comparison::RefinementRun;
 use super::quantity::QuantityName;
-use super::rules::Rules;
+use super::refinement_study::{ErrorEstimate, RefinementStudy, Role};
+use super::settings::ComparisonSettings;
 use super::sweep::Sweep;
 use super::values::FrameValues;
 use base::error::{Error, Result};
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use base::table::Table;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use scene::{Field, NamedScene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,7 +64,7 @@ pub struct Certified {
 pub fn certify(
     named: &NamedScene,
     scene: &Path,
-    rules: &Rules,
+    rules: &ComparisonSettings,
     mut progress: impl FnMut(&str),
 ) -> Result<(Reference, RefinementStudy)> {
     let mut sweep = Sweep::new(&named.scene)?;
@@ -72,7 +72,7 @@ pub fn certify(
         sweep.scene.record.fields.push(Field::ContactForce);
     }
     let mut climb = RefinementRun::new(&sweep, rules)?;
-    let pose = *poses_of(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let pose = *grasp_poses(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let name = named.name.as_str();
     let steps = climb.grasp(0, pose, &mut |text| progress(&format!("{name}: {text}")))?;
     let of = |role: Role| steps.iter().rev().find(|s| s.role == role).map(|s| &s.values);
@@ -81,13 +81,13 @@ pub fn certify(
     };
     let certified = |(name, value): (&QuantityName, &f64)| {
         let change = |other: Option<&FrameValues>| other.and_then(|v| v.get(name)).map(|v| (v - value).abs());
-        let mesh = change(of(Role::Rung)).into_iter().chain(change(of(Role::Other))).reduce(f64::max);
+        let mesh = change(of(Role::MeshLevel)).into_iter().chain(change(of(Role::Other))).reduce(f64::max);
         let path = change(of(Role::HalfPath)).map(|c| 2.0 * c);
         let error = mesh.into_iter().chain(path).reduce(f64::hypot).unwrap_or(f64::NAN);
         (name.clone(), Certified { value: *value, error })
     };
     let values = own.iter().map(certified).collect();
-    let (ladder, reference) = (climb.ladder(), climb.reference());
+    let (ladder, reference) = (climb.results(), climb.reference());
     let row = Reference {
         name: name.into(),
         scene: scene.display().to_string(),
@@ -145,7 +145,13 @@ impl References {
         for row in &self.rows {
             let value = |(name, _, unit): (&str, &str, f64)| {
                 let c = row.values.get(name);
-                c.map_or("-".into(), |c| format!("{} ± {}", shown(c.value * unit), shown(rounded(c.error * unit, 2))))
+                c.map_or("-".into(), |c| {
+                    format!(
+                        "{} ± {}",
+                        format_number(c.value * unit),
+                        format_number(round_significant(c.error * unit, 2))
+                    )
+                })
             };
             let field = |name: &str| {
                 let error = row.fields.get(name).and_then(|e| e.error);

@@ -1,13 +1,13 @@
 //! Quantities whose errors are compared.
 
-use record::error_norm::Distance;
+use record::error_norm::FrameDistance;
 use std::borrow::Cow;
 
 /// Name of a quantity or a stage; owned if read from `bench.json`.
 pub type QuantityName = Cow<'static, str>;
 
 /// Name of a quantity, and the function that reads it.
-pub(crate) type Quantity = (&'static str, fn(&Distance) -> f64);
+pub(crate) type Quantity = (&'static str, fn(&FrameDistance) -> f64);
 
 /// Quantities that are compared; a name without unit is relative.
 pub const QUANTITIES: [Quantity; 6] = [

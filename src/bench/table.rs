@@ -1,7 +1,7 @@
 //! Text and CSV reports of a comparison of speed and error.
 
-use super::ladder::RefinementStudy;
 use super::quantity::QUANTITIES;
+use super::refinement_study::RefinementStudy;
 use super::report::{BenchReport, Point};
 use std::fmt::Write;
 
@@ -56,7 +56,7 @@ pub fn text(report: &BenchReport) -> String {
     report.notices.iter().for_each(|notice| {
         let _ = writeln!(out, "note: {notice}");
     });
-    out += &ladder(&report.ladder);
+    out += &refinement_text(&report.refinement_study);
     headline(&mut out, report);
     out
 }
@@ -64,7 +64,7 @@ pub fn text(report: &BenchReport) -> String {
 /// Returns the text of a mesh refinement study: its members, the relative differences of their displacement, stress and
 /// force in %, the error estimate of the reference in %, with its parts and the observed order of convergence, and its
 /// findings.
-pub fn ladder(ladder: &RefinementStudy) -> String {
+pub fn refinement_text(ladder: &RefinementStudy) -> String {
     let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
     let mut out =
@@ -85,7 +85,7 @@ pub fn ladder(ladder: &RefinementStudy) -> String {
             out,
             "  {name:<26} {:>9} {:>18} {:>14} {:>6} {:>7}",
             percent(e.error),
-            percent(e.by_rungs),
+            percent(e.by_levels),
             percent(e.by_other),
             percent(e.by_path),
             e.order.map_or("-".into(), |p| format!("{p:.1}")),

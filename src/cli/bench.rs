@@ -2,13 +2,13 @@
 //! steps per second.
 
 use super::console::Console;
-use super::output::{Format, OK};
+use super::output::{EXIT_OK, Format};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;
 use bench::certify::References;
-use bench::contest::Rules;
-use bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
+use bench::comparison::ComparisonSettings;
+use bench::{certify, chart, compare, cost_by_size, refinement_study, rollout, rollouts, sizes, table};
 use indicatif::ProgressBar;
 use scene::{Scene, load_object, load_set};
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct BenchArgs {
     pub repeat: u64,
     /// Number of meshes in the refinement sequence from which the error of the reference is estimated. The first has
     /// the cell size of the scene, and each further one is finer by the square root of two.
-    #[arg(long, value_name = "N", default_value_t = ladder::RUNGS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
+    #[arg(long, value_name = "N", default_value_t = refinement_study::DEFAULT_LEVELS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
     pub rungs: u64,
     /// Instead, compute reference values of the first grasp of each object with error estimates, into `references.json`
     /// and `references.md`; rows of other objects in these files are kept.
@@ -70,7 +70,7 @@ pub struct BenchArgs {
 /// # Errors
 /// Fails if an argument is invalid, the measurement fails or a file cannot be written.
 pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
-    let bar = console.show(ProgressBar::new_spinner());
+    let bar = console.attach_progress_bar(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
     let progress = |text: &str| bar.set_message(text.to_string());
     args.out.as_deref().map_or(Ok(()), create_dir)?;
@@ -82,13 +82,13 @@ pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
     bar.finish_and_clear();
     let (text, json) = measured?;
     console.print(if args.format == Format::Json { &json } else { &text })?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }
 
 /// Computes references with error estimates. Returns the rows as text and as JSON; the files are written after each
 /// row.
 fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
-    let set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
     let rules = rules(args);
     let mut all = args.out.as_deref().map_or_else(|| Ok(References::default()), References::read)?;
     let (mut own, mut ladders) = (References::default(), String::new());
@@ -96,8 +96,8 @@ fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(Strin
         let mut named = named.clone();
         set_frames(args, &mut named.scene)?;
         let (row, climbed) =
-            certify(&named, &args.scene, &rules, &mut progress).map_err(|e| set.place(e, &named.name))?;
-        ladders += &format!("\n{}{}", row.name, table::ladder(&climbed));
+            certify(&named, &args.scene, &rules, &mut progress).map_err(|e| set.locate_error(e, &named.name))?;
+        ladders += &format!("\n{}{}", row.name, table::refinement_text(&climbed));
         own.put(row.clone());
         all.put(row);
         if let Some(dir) = args.out.as_deref() {
@@ -108,12 +108,12 @@ fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(Strin
     Ok((format!("{}{ladders}", own.markdown()), as_json(&own)?))
 }
 
-fn rules(args: &BenchArgs) -> Rules {
-    Rules {
+fn rules(args: &BenchArgs) -> ComparisonSettings {
+    ComparisonSettings {
         grasps: args.grasps as usize,
         threads: args.threads.map_or_else(machine_threads, |n| n as usize),
         repeats: args.repeat as usize,
-        rungs: args.rungs as usize,
+        levels: args.rungs as usize,
     }
 }
 
@@ -148,13 +148,13 @@ fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, Stri
     let out = args.out.as_deref();
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report =
-            cost_by_size(&scene, &wanted, rules.threads, rules.repeats, progress).map_err(|e| loaded.place(e))?;
+        let report = cost_by_size(&scene, &wanted, rules.threads, rules.repeats, progress)
+            .map_err(|e| loaded.locate_error(e))?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
-    let report = contest(&scene, &args.model, &rules, progress).map_err(|e| loaded.place(e))?;
+    let report = compare(&scene, &args.model, &rules, progress).map_err(|e| loaded.locate_error(e))?;
     let json = as_json(&report)?;
     if let Some(dir) = out {
         write_atomic(&dir.join("bench.json"), json.as_bytes())?;

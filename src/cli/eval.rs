@@ -1,12 +1,12 @@
 //! Command `tactus eval`: errors of a trained model.
 
 use super::console::Console;
-use super::output::{Format, OK};
+use super::output::{EXIT_OK, Format};
 use super::run::pool;
 use base::error::{Error, Result};
 use base::files::atomic::create_dir;
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use dataset::DataSet;
 use net::eval::acceptance::{Acceptance, acceptances};
 use net::eval::dump;
@@ -109,7 +109,7 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
         }
     };
     console.print(&text)?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }
 
 fn report(
@@ -119,7 +119,7 @@ fn report(
     (stress, displacement): (f64, f64),
     (encode, decode): (f64, f64),
 ) -> String {
-    let mut out = format!("{}; relative errors in %\n", counted(grasps, "grasp"));
+    let mut out = format!("{}; relative errors in %\n", format_count(grasps, "grasp"));
     out += "group                 quantity                  median       p90     worst  frames  within  interval\n";
     // Writing to a String cannot fail.
     for r in table {

@@ -1,9 +1,9 @@
 //! Findings about a scene: as text, with the most important facts first, and as JSON.
 
-use base::number::shown;
+use base::number::format_number;
 use geometry::Aabb;
 use geometry::Pose;
-use geometry::mesh::topology::watertight;
+use geometry::mesh::topology::check_edges;
 use geometry::shape::SurfaceDefinition;
 use glam::DVec3;
 use indicatif::HumanDuration;
@@ -22,10 +22,10 @@ use world::run::effort::{EXPECTED_WITHIN, ExpectedTime};
 pub(super) const MAX_GRASPS: usize = 1000;
 
 /// Largest number of problems that are printed; the JSON lists all.
-const PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Findings about a scene.
-pub(super) struct Found {
+pub(super) struct SceneFindings {
     pub model: Arc<Model>,
     pub systems: Vec<(String, Vec<String>)>,
     pub components: Vec<(String, usize)>,
@@ -39,7 +39,7 @@ pub(super) struct Found {
     pub started: usize,
 }
 
-impl Found {
+impl SceneFindings {
     /// Returns the number of grasps that were closed to first contact.
     fn tried(&self) -> usize {
         self.poses.len().min(MAX_GRASPS)
@@ -47,8 +47,8 @@ impl Found {
 
     pub fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
         let m = &self.model;
-        let solid = watertight(&m.object.surface);
-        let own = Aabb::of(m.object.surface.vertices.iter().copied());
+        let solid = check_edges(&m.object.surface);
+        let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
         let held = self.held();
         let corners = |bounds: &Aabb| json!([bounds.min.to_array(), bounds.max.to_array()]);
         let quality = |f: &FingerModel| {
@@ -77,7 +77,7 @@ impl Found {
             "path_error": m.path_error,
             "pads": m.pad_reports(),
             "quality": m.fingers.first().map(quality),
-            "right_quality": m.fingers.get(1).filter(|_| !m.alike()).map(quality),
+            "right_quality": m.fingers.get(1).filter(|_| !m.has_equal_pads()).map(quality),
             "expected_s": self.expected.wall_s,
             "expected_processor_s": self.expected.processor_s,
             "object": {
@@ -100,7 +100,7 @@ impl Found {
     /// Returns the bounds of the object in the hand frame of the first grasp, m.
     fn held(&self) -> Option<Aabb> {
         let pose = self.poses.first().map(Pose::inverse)?;
-        Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
+        Some(Aabb::from_points(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
 
     /// Returns the main facts as comment lines: sizes, positions, expected time, loads and notices.
@@ -118,17 +118,17 @@ impl Found {
     }
 
     /// Returns the problems as comment lines, with the name of the `object` if it is given.
-    pub fn complaints(&self, object: Option<&str>) -> String {
+    pub fn problem_lines(&self, object: Option<&str>) -> String {
         let about = object.map_or_else(String::new, |name| format!("object {name}: "));
-        let shown = self.problems.iter().take(PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
-        let more = self.problems.len().saturating_sub(PROBLEMS);
+        let shown = self.problems.iter().take(MAX_PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
+        let more = self.problems.len().saturating_sub(MAX_PROBLEMS);
         let rest = (more > 0).then(|| format!("problem: {about}{more} more of this kind; --format json lists them"));
         comment(&shown.chain(rest).collect::<Vec<_>>())
     }
 
     fn first(&self, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
-        let own = Aabb::of(m.object.surface.vertices.iter().copied());
+        let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
         line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
         if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
             // Adding zero turns -0 into +0.
@@ -150,7 +150,7 @@ impl Found {
             duration(processor_s),
             duration(wall_s)
         ));
-        let solid = watertight(&m.object.surface);
+        let solid = check_edges(&m.object.surface);
         line(&format!(
             "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
             m.object.name,
@@ -159,7 +159,7 @@ impl Found {
                 SurfaceDefinition::Facets => "distance to its facets",
                 SurfaceDefinition::Smooth(_) => "distance to a smooth surface through its mesh",
             },
-            solid.complaint().unwrap_or_else(|| "watertight".into()),
+            solid.defect_message().unwrap_or_else(|| "watertight".into()),
             m.object.mass.volume * 1e6,
             m.mass * 1e3,
             if m.free { "free" } else { "fixed" },
@@ -178,7 +178,7 @@ impl Found {
         }
         line(&format!(
             "contact: active at gaps below {} m; all lengths of the contact method are multiples of this gap",
-            shown(m.offset)
+            format_number(m.offset)
         ));
         if let Some(path) = m.path_error {
             line(&format!("path: the increments are chosen for a relative path error of {path:e} of the displacement"));
@@ -195,9 +195,9 @@ impl Found {
 
     fn rest(&self, systems: bool, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
-        for (side, finger) in m.fingers.iter().enumerate().take(if m.alike() { 1 } else { 2 }) {
+        for (side, finger) in m.fingers.iter().enumerate().take(if m.has_equal_pads() { 1 } else { 2 }) {
             let (q, c) = (&finger.quality, finger.quality.worst_centroid * 1e3);
-            let name = if m.alike() { "pad".into() } else { format!("{} pad", pad_name(side)) };
+            let name = if m.has_equal_pads() { "pad".into() } else { format!("{} pad", pad_name(side)) };
             line(&format!(
                 "{name} mesh: mean ratio {:.3} on average, worst {:.3} in tetrahedron {} at ({:.3}, {:.3}, {:.3}) mm of the pad; edges {:.3} to {:.3} mm",
                 q.mean,

@@ -2,14 +2,14 @@
 
 use super::console::Console;
 use super::dataset::limit;
-use super::output::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format};
 use super::run::pool;
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, replace};
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use ndarray::IxDyn;
 use ndarray_npy::NpzWriter;
 use net::SHIPPED;
@@ -109,7 +109,7 @@ struct Answer {
 /// # Errors
 /// Fails if the scene, the model or an argument is invalid, or the file cannot be written.
 pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
-    let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let mut set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let pool = pool(threads)?;
@@ -124,7 +124,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let mut reports = Vec::new();
     for named in &set.scenes {
         let report =
-            pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.place(e, &named.name))?;
+            pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.locate_error(e, &named.name))?;
         report.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
         if args.format == Format::Text {
             console.print(&report.text())?;
@@ -135,7 +135,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
     let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
-    Ok(if good { OK } else { EXPECTATION_FAILED })
+    Ok(if good { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
 /// Returns the path of the array file of an object; None without an output folder.
@@ -145,8 +145,8 @@ fn arrays_of(args: &PredictArgs, named: &NamedScene) -> Option<PathBuf> {
 
 /// Predicts the grasps of an object.
 fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads: usize) -> Result<Report> {
-    let model = Model::build(&named.scene.on_own_mesh())?;
-    let poses = poses_of(&named.scene)?;
+    let model = Model::build(&named.scene.without_finer_mesh())?;
+    let poses = grasp_poses(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of new pads is computed here, outside the measured time of a grasp.
     predictor.admit_some(&model, extrapolate)?;
@@ -200,9 +200,9 @@ impl Report {
             "{answered} of {} grasps in {:.2} s on {}, {:.0} per second; {} each, {:.1} of them decoded",
             self.grasps.len(),
             self.wall_s,
-            counted(self.threads, "thread"),
+            format_count(self.threads, "thread"),
             self.grasps_per_s,
-            counted(self.loads, "load"),
+            format_count(self.loads, "load"),
             self.decoded_loads
         );
         text

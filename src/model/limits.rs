@@ -65,7 +65,7 @@ const NODE: f64 = 3000.0;
 const MESHED: f64 = 2500.0;
 
 /// Estimates the memory of a grasp of `scene` with pads of this size, bytes; `sides` is the number of its fingers.
-pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
+pub fn estimate_memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     let each = match scene.stepper {
         StepperChoice::Fem(_) => pad.solving(),
         StepperChoice::Gnn(_) => MESHED * pad.nodes as f64,
@@ -77,14 +77,14 @@ pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] with the sizes and the remedy.
-pub fn admit(need: u64, pad: PadSize) -> Result<()> {
+pub fn check_memory(need: u64, pad: PadSize) -> Result<()> {
     match free_memory() {
         Some(free) if need > free => Err(Error::Mesh(format!(
             "pads of {} nodes, {} unknowns each, need about {} of memory, but only {} are free; use a larger spacing",
             pad.nodes,
             pad.unknowns,
-            bytes(need),
-            bytes(free)
+            format_bytes(need),
+            format_bytes(free)
         ))),
         _ => Ok(()),
     }
@@ -94,14 +94,14 @@ pub fn admit(need: u64, pad: PadSize) -> Result<()> {
 ///
 /// # Errors
 /// Returns [`Error::File`] with the sizes and the remedy.
-pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
+pub fn check_disk_space(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
             let message = format!(
                 "the data set needs up to {}, but only {} are free there; choose another folder, fewer grasps or fewer \
                  frames",
-                bytes(need),
-                bytes(free)
+                format_bytes(need),
+                format_bytes(free)
             );
             Err(Error::file(dir, message))
         }
@@ -110,7 +110,7 @@ pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
 }
 
 /// Formats a size as text.
-pub fn bytes(n: u64) -> String {
+pub fn format_bytes(n: u64) -> String {
     let n = n as f64;
     match n {
         n if n >= 1e12 => format!("{:.1} TB", n / 1e12),

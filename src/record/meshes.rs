@@ -92,7 +92,7 @@ impl Archive<'_> {
         let tets = self.table::<u32>(&of(names::TETS))?;
         let width = tets.ncols();
         let nodes: Vec<u32> = tets.into_iter().collect();
-        let elements = ElementNodes::of_table(&nodes, width).ok_or_else(|| {
+        let elements = ElementNodes::from_flat(&nodes, width).ok_or_else(|| {
             Error::file(self.path, format!("`{group}/tets` has {width} nodes per tetrahedron; it must be 4 or 10"))
         })?;
         Ok(PadTopology {

@@ -1,6 +1,6 @@
 //! Reading of a run: `run.json`, and the frames in `arrays.npz`.
 
-use super::frame::{Frame, Moving, PadFrame};
+use super::frame::{DynamicState, Frame, PadFrame};
 use super::names;
 use super::report::RunReport;
 use base::error::{Error, Result};
@@ -80,7 +80,7 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
         let object = placed(&pose, k);
         let moving = hand.as_ref().map(|hand| {
             let hand = placed(hand, k);
-            Moving { hand_position: hand.position, hand_rotation: hand.rotation, ..Moving::default() }
+            DynamicState { hand_position: hand.position, hand_rotation: hand.rotation, ..DynamicState::default() }
         });
         Frame {
             index: k,

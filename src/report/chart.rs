@@ -8,7 +8,7 @@ pub struct Chart {
     /// Title of the chart.
     pub title: String,
     /// Abscissa of all quantities.
-    pub over: Over,
+    pub over: Abscissa,
     /// Selectable quantities.
     pub quantities: Vec<Quantity>,
 }
@@ -16,7 +16,7 @@ pub struct Chart {
 /// Abscissa of a chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Over {
+pub enum Abscissa {
     /// Category names, for a bar chart.
     Names(Vec<String>),
     /// Numeric axis, for a line chart.

@@ -1,10 +1,10 @@
 //! Section of a training: loss curves so far, and the model once finished.
 
-use super::chart::{Chart, Over, Quantity, Series};
+use super::chart::{Abscissa, Chart, Quantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use base::error::Result;
-use base::number::counted;
+use base::number::format_count;
 use net::network::card::{CARD, Trained};
 use net::train::curves::{self, Epoch};
 use std::path::Path;
@@ -20,11 +20,11 @@ pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
         format!(" The smallest validation loss is {:.5}, of epoch {}.", epoch.validation, at + 1)
     });
     let mut blocks = vec![PageBlock::Chart(losses(&epochs))];
-    let count = counted(epochs.len(), "epoch");
+    let count = format_count(epochs.len(), "epoch");
     let lead = match dir.join(CARD).exists().then(|| Trained::read(dir)) {
         None => format!("The training is not finished: so far {count}.{best}"),
         Some(Ok(Trained { card, .. })) => {
-            let learnt = format!("{}, {} parameters", counted(card.grasps, "training grasp"), card.parameters);
+            let learnt = format!("{}, {} parameters", format_count(card.grasps, "training grasp"), card.parameters);
             format!("{count}, {learnt}, split {}.{best}", card.split)
         }
         Some(Err(error)) => {
@@ -43,7 +43,7 @@ fn losses(epochs: &[Epoch]) -> Chart {
     let rate = vec![Series::new("learning rate", of(|e| e.rate))];
     Chart {
         title: "Loss".into(),
-        over: Over::Axis { label: "epoch".into(), at: (1..=epochs.len()).map(|epoch| epoch as f64).collect() },
+        over: Abscissa::Axis { label: "epoch".into(), at: (1..=epochs.len()).map(|epoch| epoch as f64).collect() },
         quantities: vec![quantity("loss", loss), quantity("learning rate", rate)],
     }
 }

@@ -1,6 +1,6 @@
 //! Messages for parser errors, with position and remedy.
 
-use super::excerpt::{clipped, floor, shortened};
+use super::excerpt::{floor, truncate, truncate_name};
 use super::outline::{Outline, OutlineEntry};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use ron::error::{Error as Ron, Position, SpannedError};
@@ -34,7 +34,7 @@ impl Diagnosis {
             Some((message, help)) => (message.to_string(), Some(help.to_string())),
             None => (message.to_string(), None),
         };
-        Self { message: shortened(&message, MESSAGE).into_owned(), span, help }
+        Self { message: truncate(&message, MESSAGE).into_owned(), span, help }
     }
 
     /// Renders the printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
@@ -80,11 +80,11 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
         Ron::NoSuchStructField { expected, found, outer } => {
             let former = RENAMED_FIELDS.iter().find(|(name, _)| name == found).map(|(_, now)| now.to_string());
             let help = former.unwrap_or_else(|| allowed(found, expected));
-            (format!("unknown field `{}`{}\n{help}", clipped(found), of(outer)), refused)
+            (format!("unknown field `{}`{}\n{help}", truncate_name(found), of(outer)), refused)
         }
         Ron::NoSuchEnumVariant { expected, found, outer } => {
             let what = outer.as_deref().unwrap_or("name");
-            (format!("unknown {what} `{}`\n{}", clipped(found), allowed(found, expected)), refused)
+            (format!("unknown {what} `{}`\n{}", truncate_name(found), allowed(found, expected)), refused)
         }
         Ron::MissingStructField { field, outer } => (format!("missing field `{field}`{}", of(outer)), here),
         Ron::DuplicateStructField { field, outer } => (format!("field `{field}` is given twice{}", of(outer)), refused),
@@ -160,7 +160,7 @@ fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     Some(format!(
         "{path}: `{name}(...)` takes one value and has no field `{}`\nfields of {owner} are written next to `{key}`: \
          `{key}: {name}(...), {0}: ...`",
-        clipped(field)
+        truncate_name(field)
     ))
 }
 

@@ -2,7 +2,7 @@
 
 use super::Curve;
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 use scene::leaf::{Modulus, NonNegative, Poisson};
 use serde::Serialize;
 
@@ -132,15 +132,15 @@ impl Ranges {
     }
 
     /// Checks that all values are within their ranges.
-    pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
+    pub(super) fn check(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
                 return Err(Error::Argument(format!(
                     "{} of the scene is {}, outside its range of {} to {}; give --range {}=LOW,HIGH",
                     p.words(),
-                    shown(*value),
-                    shown(low),
-                    shown(high),
+                    format_number(*value),
+                    format_number(low),
+                    format_number(high),
                     p.name()
                 )));
             }

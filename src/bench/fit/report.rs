@@ -2,7 +2,7 @@
 
 use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, ParameterValues, Ranges};
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -59,7 +59,7 @@ impl Fit {
             values,
             rms: minimum.rms(),
             residuals: minimum.residual.clone(),
-            freedom: minimum.freedom(),
+            freedom: minimum.degrees_of_freedom(),
             converged: minimum.converged,
             iterations: minimum.iterations,
         }
@@ -142,7 +142,7 @@ impl FitReport {
     }
 
     /// Returns the fraction of the sum of squared residuals of the unchanged scene that `fit` removes, at most 1.
-    pub fn explained(&self, fit: &Fit) -> f64 {
+    pub fn explained_fraction(&self, fit: &Fit) -> f64 {
         1.0 - (fit.rms / self.given_rms).powi(2)
     }
 
@@ -160,7 +160,7 @@ impl FitReport {
         Parameter::ALL.iter().for_each(|p| out += &format!("{:>17}", p.shown_as().0));
         let listed = self.depths_m.len() <= LISTED;
         if listed {
-            self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", shown(d * 1e3))));
+            self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", format_number(d * 1e3))));
         }
         out += "  largest     rms\n";
         self.row(&mut out, "values of the scene", self.start.map(|v| (v, String::new())), &self.given, self.given_rms);
@@ -179,7 +179,7 @@ impl FitReport {
             the value is at an edge\n";
         let ranges = Parameter::ALL.iter().zip(self.ranges).map(|(p, [low, high])| {
             let (name, scale) = p.shown_as();
-            format!("{name} {} to {}", shown(low * scale), shown(high * scale))
+            format!("{name} {} to {}", format_number(low * scale), format_number(high * scale))
         });
         let _ = writeln!(out, "ranges: {}", ranges.collect::<Vec<_>>().join(", "));
         out += &self.verdict();
@@ -189,7 +189,8 @@ impl FitReport {
     fn row(&self, out: &mut String, name: &str, cells: [(f64, String); 4], residuals: &[f64], rms: f64) {
         *out += &format!("{name:<20}");
         for (p, (value, note)) in Parameter::ALL.iter().zip(cells) {
-            let text = if value.is_nan() { ".".into() } else { format!("{}{note}", four(value * p.shown_as().1)) };
+            let text =
+                if value.is_nan() { ".".into() } else { format!("{}{note}", format_4_digits(value * p.shown_as().1)) };
             *out += &format!("{text:>17}");
         }
         if residuals.len() <= LISTED {
@@ -204,8 +205,9 @@ impl FitReport {
             return "the scene agrees with the table: there is no deviation to explain\n".into();
         };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
-        let shares: Vec<String> =
-            singles.map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained(f))).collect();
+        let shares: Vec<String> = singles
+            .map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained_fraction(f)))
+            .collect();
         let mut text = format!(
             "{} alone explains most of the deviation; fractions of its sum of squares: {}\n",
             explains.words(),
@@ -227,18 +229,18 @@ impl FitReport {
 /// Returns the suffix of a fitted value in the table.
 fn note(estimate: &FittedParameter) -> String {
     match estimate.interval {
-        Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
+        Some(half) => format!(" +-{}", format_2_digits(half * estimate.parameter.shown_as().1)),
         None if estimate.at_edge => " edge".into(),
         None => String::new(),
     }
 }
 
 /// Formats to four significant digits.
-pub(super) fn four(v: f64) -> String {
-    shown(rounded(v, 4))
+pub(super) fn format_4_digits(v: f64) -> String {
+    format_number(round_significant(v, 4))
 }
 
 /// Formats to two significant digits.
-pub(super) fn two(v: f64) -> String {
-    shown(rounded(v, 2))
+pub(super) fn format_2_digits(v: f64) -> String {
+    format_number(round_significant(v, 2))
 }

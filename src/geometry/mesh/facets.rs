@@ -5,16 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 
 use crate::mesh::TriMesh;
-use crate::mesh::topology::{drop_unused, sides};
+use crate::mesh::topology::{drop_unused, half_edges};
 
 /// Ratio of height to longest side up to which a triangle counts as one without area.
-pub(crate) const FLAT: f64 = 1e-13;
+pub(crate) const FLAT_RATIO: f64 = 1e-13;
 
 /// Returns true if the triangle is too thin to have a normal.
 pub(crate) fn is_flat(p: [DVec3; 3]) -> bool {
     let longest = (0..3).map(|i| p[i].distance_squared(p[(i + 1) % 3])).fold(0.0, f64::max);
     let twice_area = (p[1] - p[0]).cross(p[2] - p[0]).length();
-    twice_area.is_nan() || twice_area <= FLAT * longest
+    twice_area.is_nan() || twice_area <= FLAT_RATIO * longest
 }
 
 /// Drops triangles with the same corners and orientation as an earlier one; returns their number. Indices must be
@@ -76,7 +76,7 @@ fn round(mesh: &mut TriMesh) -> Option<usize> {
         return None;
     }
     let mut at: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-    for side in sides(mesh) {
+    for side in half_edges(mesh) {
         at.entry(side.ends).or_default().push(side.triangle as usize);
     }
     let (mut touched, mut dropped, mut done) = (BTreeSet::new(), BTreeSet::new(), 0);

@@ -8,7 +8,7 @@
 //! surface is continuous. Samples are stored only in blocks near the surface.
 
 use crate::Aabb;
-use crate::shape::{Closest, SignedDistance, outer};
+use crate::shape::{SignedDistance, SurfacePoint, outer};
 use glam::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl LevelSet {
     /// (m) span its surface.
     pub fn new(base: Arc<dyn SignedDistance>, surface: &[DVec3], (center, axes): (DVec3, DMat3), spacing: f64) -> Self {
         let reach = (BAND + 3.0_f64.sqrt() * SUPPORT) * spacing;
-        let bounds = Aabb::of(surface.iter().map(|p| axes.transpose() * (*p - center)));
+        let bounds = Aabb::from_points(surface.iter().map(|p| axes.transpose() * (*p - center)));
         let origin = ((bounds.min - reach) / spacing).floor() * spacing;
         let blocks = ((bounds.max + reach - origin) / (f64::from(BLOCK) * spacing)).ceil().as_ivec3().max(IVec3::ONE);
         let half = 0.5 * f64::from(BLOCK - 1) * spacing;
@@ -114,12 +114,12 @@ impl LevelSet {
     }
 
     /// Surface point closest to `q`, which must be near the surface, and its data; None if the search fails.
-    pub fn project(&self, q: DVec3) -> Option<(DVec3, Closest)> {
+    pub fn project(&self, q: DVec3) -> Option<(DVec3, SurfacePoint)> {
         self.project_from(q, self.jet(q)?)
     }
 
     /// As [`LevelSet::project`], given the spline's values at `q`.
-    fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, Closest)> {
+    fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, SurfacePoint)> {
         let slope = jet.gradient.length_squared();
         if slope < MIN_GRADIENT * MIN_GRADIENT || jet.value.abs() > 2.0 * BAND * self.spacing {
             return None;
@@ -153,12 +153,12 @@ impl LevelSet {
         let shape = tangent * jet.hessian * tangent * size.recip();
         // A parallel surface has the same lines of curvature; its radii of curvature are larger by the distance.
         let curvature = (DMat3::IDENTITY + shape * distance).inverse() * shape;
-        Some((c, Closest { distance, normal, curvature }))
+        Some((c, SurfacePoint { distance, normal, curvature }))
     }
 
     /// Closest point data of `q` if it lies in the band around the surface; of first order where the search fails, as
     /// on a medial axis.
-    fn near(&self, q: DVec3) -> Option<Closest> {
+    fn near(&self, q: DVec3) -> Option<SurfacePoint> {
         let jet = self.jet(q)?;
         let size = jet.gradient.length();
         let distance = jet.value / size;
@@ -166,7 +166,7 @@ impl LevelSet {
         if !(distance.abs() <= BAND * self.spacing) {
             return None;
         }
-        let first_order = Closest { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
+        let first_order = SurfacePoint { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
         Some(self.project_from(q, jet).map_or(first_order, |(_, closest)| closest))
     }
 
@@ -244,7 +244,7 @@ impl SignedDistance for LevelSet {
         self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         if let Some(closest) = self.near(q) {
             return (closest.distance < max).then_some(closest);
         }
@@ -253,7 +253,7 @@ impl SignedDistance for LevelSet {
         // the band.
         let size = (base.distance.abs() - self.deviation).max(MIN_OUTSIDE * BAND * self.spacing);
         let distance = size.copysign(self.height(q).unwrap_or(base.distance));
-        (distance < max).then_some(Closest { distance, ..base })
+        (distance < max).then_some(SurfacePoint { distance, ..base })
     }
 
     fn support(&self, direction: DVec3) -> Option<DVec3> {

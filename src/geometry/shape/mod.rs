@@ -43,14 +43,14 @@ pub(crate) mod winding;
 
 pub use family::ShapeKind;
 pub use feature_point::FeaturePoint;
-pub use features::{Ridge, RidgeSection, RoundedEdge, SurfaceFeatures};
+pub use features::{ConvexEdge, EdgeSection, RoundedEdge, SurfaceFeatures};
 pub use mass::MassProperties;
 pub use mesh_distance::MeshDistance;
 pub use outer_product::outer;
 pub use params::{DEFAULT_SEGMENTS, MAX_SEGMENTS, MIN_SEGMENTS};
 pub use ray::trace_convex;
-pub use signed_distance::{Closest, ContactPoints, Hit, SignedDistance, trace};
+pub use signed_distance::{ContactPoints, Hit, SignedDistance, SurfacePoint, trace};
 pub use solid::Shape;
-pub use sound::sound;
+pub use sound::valid_surface;
 pub use surface_definition::{SmoothSurface, SurfaceDefinition};
 pub use surface_distance::SurfaceDistance;

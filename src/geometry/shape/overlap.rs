@@ -1,9 +1,9 @@
 //! Self-intersections of a closed surface.
 
 use crate::Aabb;
-use crate::mesh::close::tolerance;
 use crate::mesh::shells::shells;
-use crate::mesh::{TriMesh, show};
+use crate::mesh::weld::tolerance;
+use crate::mesh::{TriMesh, format_point};
 use crate::shape::facet::Facet;
 use crate::shape::winding::Winding;
 use glam::DVec3;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Depth of an overlap over the object's largest size above which it is rejected: 3 um for a lemon. Shallower overlaps,
 /// such as folds in scans, are not detected by a pad.
-pub(crate) const DEPTH: f64 = 1e-4;
+pub(crate) const MAX_OVERLAP: f64 = 1e-4;
 
 /// Intersection of two triangles next to which the winding number is neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,13 +19,13 @@ pub(crate) struct Overlap {
     /// Indices of the two triangles.
     pub triangles: [u32; 2],
     /// Mean of their common points, m.
-    pub place: DVec3,
+    pub position: DVec3,
 }
 
 /// Overlaps of a surface.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Overlaps {
-    /// First overlap that is deeper than [`DEPTH`].
+    /// First overlap that is deeper than [`MAX_OVERLAP`].
     pub deep: Option<Overlap>,
     /// Number of pairs of triangles that overlap less deeply.
     pub shallow: usize,
@@ -34,10 +34,10 @@ pub(crate) struct Overlaps {
 /// Finds overlaps among all pairs of triangles that intersect, other than at common corners and edges. A pair overlaps
 /// if the winding number next to the intersection is neither 0 nor 1; parts that only touch do not. `mesh` must be
 /// closed and all its shells correctly oriented.
-pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
+pub(crate) fn find_overlaps(mesh: &TriMesh) -> Overlaps {
     let winding = Winding::new(mesh);
     let bounds = winding.bvh.bounds();
-    let (deep, shallow) = (DEPTH * bounds.size().max_element(), 4.0 * tolerance(mesh));
+    let (deep, shallow) = (MAX_OVERLAP * bounds.size().max_element(), 4.0 * tolerance(mesh));
     let found: Vec<(Option<Overlap>, usize)> = (0..winding.bvh.facets.len())
         .into_par_iter()
         .map(|i| {
@@ -51,7 +51,7 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
                 let triangles = [one.triangle, other.triangle];
                 let Some(place) = meeting(mesh, triangles) else { return };
                 if has_invalid_winding(&winding, place, [one.n, other.n], deep) {
-                    worst = Some(Overlap { triangles, place });
+                    worst = Some(Overlap { triangles, position: place });
                 } else if has_invalid_winding(&winding, place, [one.n, other.n], shallow) {
                     count += 1;
                 }
@@ -67,8 +67,8 @@ pub(crate) fn overlaps(mesh: &TriMesh) -> Overlaps {
 
 impl Overlaps {
     /// Returns the reason for the rejection of the surface, in one sentence.
-    pub fn complaint(&self, mesh: &TriMesh) -> Option<String> {
-        let Overlap { mut triangles, place } = self.deep?;
+    pub fn error_message(&self, mesh: &TriMesh) -> Option<String> {
+        let Overlap { mut triangles, position: place } = self.deep?;
         triangles.sort_unstable();
         let shells = shells(mesh);
         let part = |t: &u32| shells.iter().position(|s| s.triangles.binary_search(t).is_ok());
@@ -81,7 +81,7 @@ impl Overlaps {
             "{what}: its triangles {} and {} (0-based) cross near {}; unite its parts in the program that created it",
             triangles[0],
             triangles[1],
-            show(place)
+            format_point(place)
         ))
     }
 }
@@ -104,7 +104,7 @@ fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     let [s, t] = pair.map(|t| mesh.triangles[t as usize]);
     let shared: Vec<u32> = s.into_iter().filter(|v| t.contains(v)).collect();
     let [p, q] = pair.map(|t| mesh.corners(t as usize));
-    let size = Aabb::of(p.into_iter().chain(q)).size().max_element();
+    let size = Aabb::from_points(p.into_iter().chain(q)).size().max_element();
     let rounding = 1e-12 * size;
     let mut points = common(p, q, rounding);
     points.extend(common(q, p, rounding));
@@ -136,7 +136,7 @@ fn common(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
             }
         } else if h * k <= 0.0 {
             let x = a.lerp(b, h / (h - k));
-            if facet.margin(x) >= -rounding {
+            if facet.edge_distance(x) >= -rounding {
                 points.push(x);
             }
         }

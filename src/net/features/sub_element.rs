@@ -52,7 +52,7 @@ pub(super) fn nearest(view: &View, graph: &PadGraph, gaps: &[f64]) -> Vec<Neares
         if at.z > highest + NEAR * t || !graph.covers(at.xy()) {
             continue;
         }
-        let corners = lookup.under(at);
+        let corners = lookup.interpolation_at(at);
         let below: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
         // Points outside the face have no face point below them.
         if below.xy().distance(at.xy()) < 1e-6 * t {

@@ -97,7 +97,7 @@ impl SceneInputs {
         let predictor = Predictor::open(model)?;
         face_alone(&predictor.card, model)?;
         let extrapolate = extrapolate || scene.stepper.extrapolates();
-        let model = Model::build(&scene.on_own_mesh())?;
+        let model = Model::build(&scene.without_finer_mesh())?;
         let graph = predictor.admit(&model, extrapolate)?;
         Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
     }
@@ -168,7 +168,7 @@ impl SceneInputs {
             return refused(format!("a friction of {}; a number of 0 or above is needed", grip.friction));
         }
         let levels = grip.force.iter().map(|force| force / fingers).collect();
-        let model = self.model.under(&self.loading, levels, grip.friction);
+        let model = self.model.with_loading(&self.loading, levels, grip.friction);
         self.predictor.card.range.admits(&model, &self.graph.hash, self.extrapolate)?;
         Ok(model)
     }
@@ -176,7 +176,7 @@ impl SceneInputs {
     /// Returns the inputs of `grip` with first contact `touch`. The path of its equilibrium always ends at the largest
     /// force of `model`, even if that of `grip` differs.
     fn look(&self, touch: &GeometricContact, model: &Model, grip: &Grip) -> Vec<Array<f32>> {
-        let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
+        let own = Arc::new(model.with_loading(&self.loading, model.levels.clone(), grip.friction));
         let features = GraspFeatures::new(&own, &self.graph, touch);
         let (fingers, usual) = (own.fingers.len() as f64, loads_of(&own));
         let squeezed = usual.into_iter().zip(&grip.force);

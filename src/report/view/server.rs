@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Maximum size of a request head, bytes.
-const MOST: usize = 16 * 1024;
+const MAX_REQUEST_SIZE: usize = 16 * 1024;
 /// Maximum number of concurrent requests.
 const MAX_CONCURRENT: usize = 32;
 /// Timeout for the whole request, so that a slow client does not occupy a thread for longer.
@@ -126,7 +126,7 @@ fn serve(stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::
     stream.stream.shutdown(Shutdown::Write)?;
     // Reads the rest of the request, e.g. the body of a POST: closing a socket with unread data would abort the answer.
     stream.end = Instant::now() + REQUEST;
-    std::io::copy(&mut stream.take(MOST as u64), &mut std::io::sink()).map(|_| ())
+    std::io::copy(&mut stream.take(MAX_REQUEST_SIZE as u64), &mut std::io::sink()).map(|_| ())
 }
 
 /// Connection with one deadline for all reads and writes.
@@ -192,7 +192,7 @@ fn read(stream: &mut Timed) -> std::io::Result<std::result::Result<String, Refus
         match path(&head) {
             Some(path) => return Ok(path),
             None if count == 0 => return Ok(Err(Refusal::BadRequest)),
-            None if head.len() > MOST => return Ok(Err(Refusal::TooLarge)),
+            None if head.len() > MAX_REQUEST_SIZE => return Ok(Err(Refusal::TooLarge)),
             None => {}
         }
     }

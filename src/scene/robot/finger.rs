@@ -2,7 +2,7 @@
 //! gripper.
 
 use super::mounting::Mount;
-use super::tolerance::{ANGLE, Deviation, PLACE};
+use super::tolerance::{ANGLE_TOLERANCE, Deviation, POSITION_TOLERANCE};
 use super::tree::{JointRange, LinkTree, Mobility};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -57,7 +57,7 @@ impl Finger {
     }
 
     /// Returns the centre of the sensing face with the joint in the middle of its range, m.
-    fn amid(&self) -> DVec3 {
+    fn midpoint(&self) -> DVec3 {
         let [a, b] = self.drive.range;
         self.position + self.direction * (0.5 * (a + b))
     }
@@ -89,17 +89,17 @@ pub(super) fn closing(
     approach: DVec3,
     deviation: &mut Deviation,
 ) -> Result<DVec3, String> {
-    if left.direction.cross(right.direction).length() > ANGLE {
+    if left.direction.cross(right.direction).length() > ANGLE_TOLERANCE {
         let [a, b] = [left.direction, right.direction];
-        return Err(format!("the fingers slide along {a} and {b}; they must be parallel within {ANGLE} rad"));
+        return Err(format!("the fingers slide along {a} and {b}; they must be parallel within {ANGLE_TOLERANCE} rad"));
     }
     // The pads are compared at mid-range, because with the joints at zero they may have passed each other.
-    let apart = right.amid() - left.amid();
+    let apart = right.midpoint() - left.midpoint();
     let along = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
-    let closing = deviation.snapped(along);
+    let closing = deviation.snap_vector(along);
     if closing.dot(approach) != 0.0 {
         return Err(format!(
-            "the fingers close along {along}; the approach {approach} must be perpendicular to that within {ANGLE} rad"
+            "the fingers close along {along}; the approach {approach} must be perpendicular to that within {ANGLE_TOLERANCE} rad"
         ));
     }
     deviation.add_angle(right.direction, closing);
@@ -123,7 +123,7 @@ pub(super) fn gripper(
     }
     let [own, other] = [left.along(closing), right.along(closing)];
     let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
-    let unequal = whole(stroke - others).abs() > PLACE;
+    let unequal = whole(stroke - others).abs() > POSITION_TOLERANCE;
     let opening = whole(other[1] - own[0]);
     // Midpoint between the faces along the closing direction, with the fingers open and closed.
     let [open, closed] = [own[0] + other[1], own[1] + other[0]].map(|sum| whole(0.5 * sum));
@@ -133,7 +133,7 @@ pub(super) fn gripper(
     if unequal && !geared {
         return Err(format!(
             "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by the same \
-             distance within {PLACE} m, or follow one joint: {SPELL_OUT}"
+             distance within {POSITION_TOLERANCE} m, or follow one joint: {SPELL_OUT}"
         ));
     }
     // With unequal travels the midpoint moves; if its range contains the middle of the hand, it is not offset.
@@ -145,9 +145,9 @@ pub(super) fn gripper(
         open
     };
     let off = [y - other_y, z - other_z, aside].map(whole);
-    if off.iter().any(|length| length.abs() > PLACE) {
+    if off.iter().any(|length| length.abs() > POSITION_TOLERANCE) {
         return Err(format!(
-            "the pads do not face each other within {PLACE} m: in the hand frame they are at y {y}, z {z} and y \
+            "the pads do not face each other within {POSITION_TOLERANCE} m: in the hand frame they are at y {y}, z {z} and y \
              {other_y}, z {other_z} m, and {aside} m off its middle along the closing direction; {SPELL_OUT}"
         ));
     }

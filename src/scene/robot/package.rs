@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// Fails if the attribute is missing, or if a file of a package is not found.
 pub(super) fn file(path: &Path, element: &XmlElement) -> Result<PathBuf, String> {
-    let name = element.needed("filename")?;
+    let name = element.required_text("filename")?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let Some(rest) = name.strip_prefix("package://") else {
         return Ok(folder.join(name.strip_prefix("file://").unwrap_or(name)));
@@ -43,7 +43,7 @@ fn packages(folder: &Path, name: &str) -> Vec<PathBuf> {
 /// Returns true if the folder name of `root` is `package`, or its package.xml has this name.
 fn is(root: &Path, package: &str) -> bool {
     let named = || {
-        let text = base::files::regular::read(&root.join("package.xml"), base::files::include::SIZE_LIMIT).ok()?;
+        let text = base::files::regular::read(&root.join("package.xml"), base::files::include::MAX_TOTAL_SIZE).ok()?;
         let text = String::from_utf8_lossy(&text).into_owned();
         let (_, after) = text.split_once("<name>")?;
         Some(after.split_once("</name>")?.0.trim() == package)

@@ -135,7 +135,7 @@ fn crossings(field: &OccupancyGrid, winding: &Winding) -> HashMap<(USizeVec3, us
 /// a triangle, or else the point where the winding number becomes one half.
 fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     let mut passed: Vec<(f64, DVec3)> = Vec::new();
-    winding.bvh.overlapping(&Aabb::of([a, b]), |i| {
+    winding.bvh.overlapping(&Aabb::from_points([a, b]), |i| {
         let facet = &winding.bvh.facets[i as usize];
         passed.extend(pass(facet, a, b).map(|t| (t, facet.n)));
     });
@@ -162,6 +162,6 @@ fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
 fn pass(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
     let [from, to] = [a, b].map(|p| facet.n.dot(p - facet.origin));
     let t = from / (from - to);
-    let met = from * to <= 0.0 && t.is_finite() && facet.margin(a.lerp(b, t)) >= -1e-9 * a.distance(b);
+    let met = from * to <= 0.0 && t.is_finite() && facet.edge_distance(a.lerp(b, t)) >= -1e-9 * a.distance(b);
     met.then_some(t)
 }

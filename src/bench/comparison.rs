@@ -1,16 +1,16 @@
 //! Comparison of all configurations on the same grasps. Repetitions are interleaved, so that other load on the machine
 //! affects all configurations alike.
 
-pub use super::entry::{BenchEntry, Prepared, add_stages};
-use super::ladder::{self, Member, RefinementStudy, Role, Tally};
+pub use super::entry::{BenchEntry, PreparedConfiguration, add_stages};
+use super::refinement_study::{self, PairDistances, RefinementStudy, Role, StudyMember};
 use super::report::BenchReport;
-pub use super::rules::Rules;
+pub use super::settings::ComparisonSettings;
 use super::sweep::Sweep;
 use super::values::{FrameValues, values};
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use record::error_norm::{Fields, Points};
 use scene::Scene;
 use std::path::PathBuf;
@@ -21,16 +21,16 @@ use std::path::PathBuf;
 /// # Errors
 /// Fails if the scene is not supported by a bench or cannot be built, a network rejects it, or the reference completes
 /// no grasp.
-pub fn contest(
+pub fn compare(
     scene: &Scene,
     models: &[PathBuf],
-    rules: &Rules,
+    rules: &ComparisonSettings,
     mut progress: impl FnMut(&str),
 ) -> Result<BenchReport> {
     let sweep = Sweep::new(scene)?;
     let mut climb = RefinementRun::new(&sweep, rules)?;
     let mut entries: Vec<BenchEntry> = sweep.configurations(models)?.into_iter().map(BenchEntry::new).collect();
-    let mut grasps = sample(&poses_of(scene)?, rules.grasps);
+    let mut grasps = sample(&grasp_poses(scene)?, rules.grasps);
     if let Some((_, pose)) = grasps.first() {
         // In order of size, because memory that the allocator keeps from one configuration is reused by the next.
         let mut all: Vec<&mut BenchEntry> = entries.iter_mut().chain([climb.reference()]).collect();
@@ -61,7 +61,7 @@ pub fn contest(
                     entry.configuration.label
                 ));
                 let own = entry.run(&climb.pool, *index, *pose, &climb.points)?;
-                entry.judge(&climb.points, &own, &truth);
+                entry.add_errors(&climb.points, &own, &truth);
             }
         }
         grasps.retain(|(index, _)| !lost.contains(index));
@@ -70,7 +70,7 @@ pub fn contest(
         return Err(Error::Solver(format!("the reference failed for all grasps: {}", climb.notices.join("; "))));
     }
     let numbers = grasps.iter().map(|(index, _)| *index).collect();
-    let (ladder, notices) = (climb.ladder(), std::mem::take(&mut climb.notices));
+    let (ladder, notices) = (climb.results(), std::mem::take(&mut climb.notices));
     Ok(BenchReport::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
 }
 
@@ -90,7 +90,7 @@ pub struct MemberResult {
 pub struct RefinementRun {
     members: Vec<(Role, BenchEntry)>,
     reference: usize,
-    tally: Tally,
+    tally: PairDistances,
     /// Points at which fields are compared.
     pub points: Points,
     /// Thread pool in which grasps run.
@@ -104,9 +104,11 @@ impl RefinementRun {
     ///
     /// # Errors
     /// Fails if a pad cannot be meshed or threads cannot be started.
-    pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
-        let members: Vec<_> =
-            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, BenchEntry::new(c))).collect();
+    pub fn new(sweep: &Sweep, rules: &ComparisonSettings) -> Result<Self> {
+        let members: Vec<_> = refinement_study::members(sweep, rules.levels)?
+            .into_iter()
+            .map(|(role, c)| (role, BenchEntry::new(c)))
+            .collect();
         let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
         // Quadrature points of the mesh one level below the reference: it resolves the edge of a contact patch with an
         // affordable number of points.
@@ -116,7 +118,7 @@ impl RefinementRun {
             .num_threads(rules.threads)
             .build()
             .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", rules.threads)))?;
-        Ok(Self { tally: Tally::new(members.len()), reference, members, points, pool, notices: Vec::new() })
+        Ok(Self { tally: PairDistances::new(members.len()), reference, members, points, pool, notices: Vec::new() })
     }
 
     /// Returns the reference.
@@ -163,8 +165,8 @@ impl RefinementRun {
     }
 
     /// Returns the results of the mesh refinement study for the grasps so far.
-    pub fn ladder(&self) -> RefinementStudy {
-        let member = |(role, entry): &(Role, BenchEntry)| Member {
+    pub fn results(&self) -> RefinementStudy {
+        let member = |(role, entry): &(Role, BenchEntry)| StudyMember {
             label: entry.configuration.label.clone(),
             role: *role,
             nodes: entry.configuration.nodes,

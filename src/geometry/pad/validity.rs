@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::Aabb;
 use crate::mesh::shells::orient;
-use crate::mesh::{TetMesh, show, surface};
-use crate::shape::overlap::overlaps;
+use crate::mesh::{TetMesh, format_point, surface};
+use crate::shape::overlap::find_overlaps;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Root-mean-square distance of the held nodes of a part from their best-fit line, over the size of the part, below
 /// which the part can rotate about that line.
@@ -21,7 +21,7 @@ const ON_A_LINE: f64 = 1e-3;
 pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
     held(mesh, bonded)?;
     let (mut boundary, _) = surface::boundary_mesh(mesh);
-    if let Some(fault) = overlaps(&boundary).complaint(&boundary) {
+    if let Some(fault) = find_overlaps(&boundary).error_message(&boundary) {
         return Err(Error::Mesh(format!("the pad overlaps itself: {fault}, or remove duplicates from the file")));
     }
     // Every shell bounds gel from outside or a cavity from inside; one with the wrong orientation lies inside other
@@ -76,7 +76,7 @@ impl Part {
 /// Rejects a part that can move as a rigid body. A part is held if those of its nodes that are bonded, or belong to a
 /// part that is held, do not lie on a line.
 fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
-    let (part_of, count) = surface::parts(mesh);
+    let (part_of, count) = surface::connected_components(mesh);
     let empty = || Part {
         tets: 0,
         bounds: Aabb::EMPTY,
@@ -122,8 +122,8 @@ fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
         }
     }
     let Some(loose) = parts.iter().find(|part| !part.is_held()) else { return Ok(()) };
-    let place = show(loose.bounds.center());
-    let tets = counted(loose.tets, "tetrahedron");
+    let place = format_point(loose.bounds.center());
+    let tets = format_count(loose.tets, "tetrahedron");
     let what = if count == 1 {
         format!("the pad of {tets} about {place}")
     } else {

@@ -19,7 +19,7 @@ pub struct Columns {
 }
 
 /// Largest number of cells along a side.
-const MOST: usize = 256;
+const MAX_CELLS: usize = 256;
 
 impl Columns {
     /// Creates the columns of a closed surface with outward orientation.
@@ -30,7 +30,7 @@ impl Columns {
         for p in triangles.iter().flatten() {
             (min, max) = (min.min(p.truncate()), max.max(p.truncate()));
         }
-        let count = ((triangles.len() as f64).sqrt().ceil() as usize).clamp(1, MOST);
+        let count = ((triangles.len() as f64).sqrt().ceil() as usize).clamp(1, MAX_CELLS);
         let cell = ((max - min) / count as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let mut columns = Self { turn, triangles, min, cell, count, first: Vec::new(), entries: Vec::new() };
         columns.sort();
