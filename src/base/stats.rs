@@ -15,7 +15,7 @@ pub struct Quantiles {
 
 impl Quantiles {
     /// Computes the spread of `values`; returns None if there are none.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
         let last = values.len().checked_sub(1)?;
@@ -26,5 +26,5 @@ impl Quantiles {
 
 /// Computes the median of `values`; returns NaN if there are none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    Quantiles::of(values).map_or(f64::NAN, |s| s.median)
+    Quantiles::from_values(values).map_or(f64::NAN, |s| s.median)
 }

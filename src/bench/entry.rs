@@ -58,9 +58,9 @@ pub struct PreparedConfiguration {
 
 /// Observer that keeps the frames of a grasp.
 #[derive(Default)]
-struct Keep(Mutex<Vec<Frame>>);
+struct FrameCollector(Mutex<Vec<Frame>>);
 
-impl Observer for Keep {
+impl Observer for FrameCollector {
     fn frame(&self, _index: usize, frame: &Frame) -> Result<()> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(frame.clone());
         Ok(())
@@ -128,7 +128,7 @@ impl BenchEntry {
             Some(prepared) => (false, self.prepared.insert(prepared)),
             None => (true, self.prepared.insert(PreparedConfiguration::new(&self.configuration, points, pose)?)),
         };
-        let (keep, before) = (Keep::default(), processor_time());
+        let (keep, before) = (FrameCollector::default(), processor_time());
         let outcome = pool.install(|| run_grasp(&prepared.model, prepared.stepper.as_ref(), index, pose, &keep))?;
         let processor = processor_time().zip(before).map(|(now, before)| now - before);
         let wall = outcome.summary.wall_s - outcome.timings.stages.get("record").copied().unwrap_or(0.0);

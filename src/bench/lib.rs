@@ -1,10 +1,10 @@
 //! Benchmarks: speed against error of all finite-element settings and networks on the same grasps, in one run.
 //!
 //! ```text
-//! Scene -> sweep.rs (configurations), ladder.rs (reference and its error) -> contest.rs (round robin: time; error
-//!          density.rs (coarser and finer pads)                               against the reference, record::error_norm)
+//! Scene -> sweep.rs (configurations), refinement_study.rs (reference and its error), density.rs (coarser, finer pads)
+//!       -> comparison.rs (round robin: time; error against the reference, record::error_norm)
 //!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
-//! Scene -> ladder.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
+//! Scene -> refinement_study.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
 //! Scene -> sizes.rs (cost against size of the pad)
 //! Task  -> rollout.rs (steps a second against environments and threads)
 //! ```

@@ -39,23 +39,24 @@ pub enum Role {
     /// Finest level of the refinement sequence.
     Reference,
     /// Mesh of another kind.
-    Other,
+    #[serde(rename = "other")]
+    AlternativeMesh,
     /// Reference with half the path tolerance.
     HalfPath,
 }
 
-/// Returns the members of the mesh refinement study of the scene of `sweep`: `rungs` mesh levels (one if its pads are
+/// Returns the members of the mesh refinement study of the scene of `sweep`: `levels` mesh levels (one if its pads are
 /// from a file), each finer than the previous one by the square root of two, the finest being the reference; then a
 /// mesh of another kind, and the reference with half the path tolerance, where they exist.
 ///
 /// # Errors
 /// Fails if a pad cannot be meshed.
-pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>> {
+pub fn members(sweep: &Sweep, levels: usize) -> Result<Vec<(Role, Configuration)>> {
     let fem = Fem { solver: Solver::Condensed(TIGHT_TOLERANCE), ..sweep.fem };
     let pads = &sweep.scene.gripper.pads;
     let mut members: Vec<(Role, Configuration)> = Vec::new();
-    for rung in 0..if sweep.refinable() { rungs } else { 1 } {
-        let finer = coarser(pads, FRAC_1_SQRT_2.powi(rung as i32))?;
+    for level in 0..if sweep.refinable() { levels } else { 1 } {
+        let finer = coarser(pads, FRAC_1_SQRT_2.powi(level as i32))?;
         let new = sweep.configuration("condensed, tight tolerance", finer, fem)?;
         // Spacings are rounded to whole cells, so two of them may result in the same mesh.
         if members.last().is_none_or(|(_, last)| last.nodes < new.nodes) {
@@ -67,7 +68,7 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
     reference.label = format!("reference, {}", reference.label);
     let finest = reference.scene.gripper.pads.clone();
     if let Some(other) = alternative_mesh(&finest)? {
-        members.push((Role::Other, sweep.configuration("condensed, tight tolerance", other, fem)?));
+        members.push((Role::AlternativeMesh, sweep.configuration("condensed, tight tolerance", other, fem)?));
     }
     if sweep.scene.gripper.friction.get() > 0.0
         && let Ok(path) = Positive::new(0.5 * fem.path.get())
@@ -83,7 +84,7 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
 pub struct PairDistances(Vec<Vec<Vec<FrameDistance>>>);
 
 impl PairDistances {
-    /// Creates an empty tally for a study with `members` members.
+    /// Creates empty distances for a study with `members` members.
     pub fn new(members: usize) -> Self {
         Self((0..members).map(|_| vec![Vec::new(); members]).collect())
     }
@@ -149,32 +150,33 @@ pub struct ErrorEstimate {
     #[serde(rename = "by_rungs")]
     pub by_levels: Option<f64>,
     /// Distance to the mesh of another kind: a lower bound of the error, because the two meshes share a part of it.
-    pub by_other: Option<f64>,
+    #[serde(rename = "by_other")]
+    pub by_alternative_mesh: Option<f64>,
     /// Path error: twice the change by halving the path tolerance.
     pub by_path: Option<f64>,
 }
 
 impl RefinementStudy {
-    /// Computes the results from the properties of the members and the distances between them in `tally`, in the same
+    /// Computes the results from the properties of the members and the distances between them in `pairs`, in the same
     /// order.
-    pub fn new(members: Vec<StudyMember>, tally: &PairDistances) -> Self {
+    pub fn new(members: Vec<StudyMember>, pairs: &PairDistances) -> Self {
         let table = |pick: fn(&FrameDistance) -> f64| -> Vec<Vec<Option<f64>>> {
             let middle = |d: &Vec<FrameDistance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
-            tally.0.iter().map(|row| row.iter().map(middle).collect()).collect()
+            pairs.0.iter().map(|row| row.iter().map(middle).collect()).collect()
         };
         let distances: BTreeMap<QuantityName, _> =
             QUANTITIES.iter().map(|(name, pick)| (QuantityName::from(*name), table(*pick))).collect();
         let relative = distances.iter().filter(|(name, _)| !name.contains("_max_"));
         let errors: BTreeMap<QuantityName, ErrorEstimate> =
             relative.map(|(name, table)| (name.clone(), ErrorEstimate::of(&members, table))).collect();
-        let mut ladder = Self { members, distances, errors, findings: Vec::new() };
-        ladder.findings = ["displacement", "stress"].into_iter().flat_map(|name| ladder.finding(name)).collect();
-        if ladder.members.iter().filter(|m| matches!(m.role, Role::MeshLevel | Role::Reference)).count() < 2 {
+        let mut study = Self { members, distances, errors, findings: Vec::new() };
+        study.findings = ["displacement", "stress"].into_iter().flat_map(|name| study.finding(name)).collect();
+        if study.members.iter().filter(|m| matches!(m.role, Role::MeshLevel | Role::Reference)).count() < 2 {
             let text = "the pads have only one mesh: its discretisation error is unknown, only the effect of other \
                 settings is measured";
-            ladder.findings.push(text.into());
+            study.findings.push(text.into());
         }
-        ladder
+        study
     }
 
     /// Returns a sentence if the parts of the error estimate of a quantity are inconsistent.
@@ -193,7 +195,7 @@ impl RefinementStudy {
             (None, Some(_)) => doubts.push("the last three mesh levels do not converge".into()),
             _ => {}
         }
-        if let (Some(last), Some(other)) = (e.by_levels, e.by_other)
+        if let (Some(last), Some(other)) = (e.by_levels, e.by_alternative_mesh)
             && (last / other > ESTIMATE_FACTOR * ESTIMATE_FACTOR || other > last)
         {
             doubts.push(format!(
@@ -223,7 +225,7 @@ impl ErrorEstimate {
             error: None,
             order: ratio.map(|r| 2.0 * r.log2()),
             by_levels: before(0),
-            by_other: from(find(Role::Other)),
+            by_alternative_mesh: from(find(Role::AlternativeMesh)),
             by_path: from(find(Role::HalfPath)).map(|d| 2.0 * d),
         };
         estimate.error = estimate.mesh().into_iter().chain(estimate.by_path).reduce(f64::hypot);
@@ -232,7 +234,7 @@ impl ErrorEstimate {
 
     /// Returns the mesh error: the geometric mean of the upper and the lower bound, or the only known bound.
     pub fn mesh(&self) -> Option<f64> {
-        self.by_levels.into_iter().chain(self.by_other).reduce(|more, less| (more * less).sqrt())
+        self.by_levels.into_iter().chain(self.by_alternative_mesh).reduce(|more, less| (more * less).sqrt())
     }
 }
 
@@ -241,7 +243,7 @@ mod tests {
     use super::*;
 
     /// Returns the estimate for members whose fields are the given numbers.
-    fn ladder(values: &[(Role, f64)]) -> ErrorEstimate {
+    fn estimate(values: &[(Role, f64)]) -> ErrorEstimate {
         let member = |role| StudyMember { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
         let members: Vec<StudyMember> = values.iter().map(|(role, _)| member(*role)).collect();
         let table: Vec<Vec<_>> =
@@ -252,9 +254,9 @@ mod tests {
     #[test]
     fn the_order_of_a_power_law_is_found_whatever_it_is() {
         for order in [0.5, 1.0, 2.0, 3.0] {
-            let error = |rung: f64| 0.3 * 2_f64.powf(-0.5 * rung * order);
-            let rungs = [(Role::MeshLevel, error(0.0)), (Role::MeshLevel, error(1.0)), (Role::Reference, error(2.0))];
-            let found = ladder(&rungs);
+            let error = |level: f64| 0.3 * 2_f64.powf(-0.5 * level * order);
+            let levels = [(Role::MeshLevel, error(0.0)), (Role::MeshLevel, error(1.0)), (Role::Reference, error(2.0))];
+            let found = estimate(&levels);
             assert!(found.order.is_some_and(|p| (p - order).abs() < 1e-9), "{found:?}");
             let last = error(1.0) - error(2.0);
             assert!(found.error.is_some_and(|e| (e - last).abs() < 1e-12), "{found:?} for {last}");
@@ -262,16 +264,20 @@ mod tests {
     }
 
     #[test]
-    fn a_ladder_that_does_not_converge_gives_no_order() {
-        let found =
-            ladder(&[(Role::MeshLevel, 0.0), (Role::MeshLevel, 0.1), (Role::Reference, 0.3), (Role::Other, 0.25)]);
+    fn a_sequence_that_does_not_converge_gives_no_order() {
+        let found = estimate(&[
+            (Role::MeshLevel, 0.0),
+            (Role::MeshLevel, 0.1),
+            (Role::Reference, 0.3),
+            (Role::AlternativeMesh, 0.25),
+        ]);
         assert_eq!(found.order, None);
         assert!(found.error.is_some_and(|e| (e - 0.1).abs() < 1e-12), "the mean of 0.2 and 0.05: {found:?}");
     }
 
     #[test]
     fn the_path_counts_beside_the_mesh() {
-        let found = ladder(&[(Role::Reference, 0.0), (Role::Other, 0.03), (Role::HalfPath, 0.02)]);
+        let found = estimate(&[(Role::Reference, 0.0), (Role::AlternativeMesh, 0.03), (Role::HalfPath, 0.02)]);
         assert!(found.error.is_some_and(|e| (e - 0.05).abs() < 1e-12), "{found:?}");
     }
 }

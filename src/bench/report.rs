@@ -121,25 +121,25 @@ pub struct BenchReport {
 impl BenchReport {
     /// Builds the report from the entries of a comparison.
     pub fn new(
-        rules: &ComparisonSettings,
+        settings: &ComparisonSettings,
         grasps: Vec<usize>,
-        (reference, ladder): (&BenchEntry, RefinementStudy),
+        (reference, study): (&BenchEntry, RefinementStudy),
         entries: &[BenchEntry],
         notices: Vec<String>,
     ) -> Self {
         let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
         let mut reference = Point::new(reference);
-        let of = |name: &str| ladder.errors.get(name).and_then(|e| e.error);
+        let of = |name: &str| study.errors.get(name).and_then(|e| e.error);
         let reference_error = of("displacement");
         (reference.displacement_error, reference.stress_error) = (reference_error, of("stress"));
         (reference.force_error, reference.travel_error) = (of("force"), of("travel"));
         mark_dominated(&mut points);
-        let mut settings: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
-        settings.push(reference.clone());
+        let mut full_models: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
+        full_models.push(reference.clone());
         let mut elements: Vec<Point> = points.iter().filter(|p| p.backend == FEM).cloned().collect();
         elements.push(reference.clone());
         for point in points.iter_mut().filter(|p| p.contender) {
-            point.speedup_at_equal_error = point.compare(&settings);
+            point.speedup_at_equal_error = point.compare(&full_models);
             if point.backend != FEM {
                 point.speedup_over_cheapest = point.compare(&elements);
             }
@@ -147,11 +147,11 @@ impl BenchReport {
         let speedups = points.iter().filter_map(|p| Some(p.speedup_at_equal_error.as_ref()?.ratio));
         Self {
             grasps,
-            threads: rules.threads,
-            repeats: rules.repeats,
+            threads: settings.threads,
+            repeats: settings.repeats,
             speedup_at_equal_error: speedups.reduce(f64::max),
             reference_error,
-            refinement_study: ladder,
+            refinement_study: study,
             reference,
             points,
             notices,
@@ -173,7 +173,7 @@ pub fn mark_dominated(points: &mut [Point]) {
 impl Point {
     fn new(entry: &BenchEntry) -> Self {
         let spread = |(name, pick): &Quantity| {
-            Quantiles::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
+            Quantiles::from_values(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
         };
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);

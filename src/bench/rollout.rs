@@ -100,7 +100,7 @@ pub fn rollouts(
                     continue;
                 }
                 progress(&name);
-                let turns = (0..repeats).map(|_| play(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
+                let turns = (0..repeats).map(|_| run_batch(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
                 rate = median(turns.iter().map(|t| t.steps_per_s));
                 rates.push(Rate {
                     backend: backend.clone(),
@@ -113,7 +113,7 @@ pub fn rollouts(
             }
         }
     }
-    Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, snapshots: saved, left_out, repeats })
+    Ok(Rollouts { memory_per_env_bytes: memory_per_env(&rates), rates, snapshots: saved, left_out, repeats })
 }
 
 /// Results of one repetition of a batch.
@@ -124,7 +124,7 @@ struct RepetitionResult {
 }
 
 /// Runs one batch under a random policy.
-fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<RepetitionResult> {
+fn run_batch(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<RepetitionResult> {
     let known = reset_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
     let failed = |e: env::StepError| Error::Solver(e.to_string());
@@ -150,7 +150,7 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
 /// Returns the memory per environment of each backend: the slope from the batch with the least memory to the largest
 /// batch. The batch with the least memory need not be the smallest, because a small batch may reuse memory of an
 /// earlier large one.
-fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
+fn memory_per_env(rates: &[Rate]) -> Vec<(String, f64)> {
     let mut all: Vec<(String, f64)> = Vec::new();
     for rate in rates {
         if all.iter().any(|(backend, _)| *backend == rate.backend) {

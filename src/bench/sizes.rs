@@ -113,7 +113,7 @@ pub fn cost_by_size(
             });
         }
     }
-    let sizes: Vec<SizePoint> = turns.iter().filter_map(|t| middle(t)).collect();
+    let sizes: Vec<SizePoint> = turns.iter().filter_map(|t| median_point(t)).collect();
     let fit = |pick: fn(&SizePoint) -> Option<f64>| {
         exponent(sizes.iter().filter_map(|s| pick(s).map(|v| (s.unknowns as f64, v))).collect())
     };
@@ -128,7 +128,7 @@ pub fn cost_by_size(
 }
 
 /// Returns the median times over the repetitions of one size, and the largest memory.
-fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
+fn median_point(turns: &[SizePoint]) -> Option<SizePoint> {
     let of = |pick: fn(&SizePoint) -> f64| median(turns.iter().map(pick));
     Some(SizePoint {
         time_per_iteration_s: of(|s| s.time_per_iteration_s),

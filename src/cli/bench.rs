@@ -77,7 +77,7 @@ pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
     let measured = match (args.certify, args.envs.is_empty()) {
         (true, _) => references(args, progress),
         (false, true) => measure(args, progress),
-        (false, false) => play(args, progress),
+        (false, false) => measure_rollouts(args, progress),
     };
     bar.finish_and_clear();
     let (text, json) = measured?;
@@ -89,15 +89,15 @@ pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
 /// row.
 fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
-    let rules = rules(args);
+    let settings = comparison_settings(args);
     let mut all = args.out.as_deref().map_or_else(|| Ok(References::default()), References::read)?;
-    let (mut own, mut ladders) = (References::default(), String::new());
+    let (mut own, mut studies) = (References::default(), String::new());
     for named in &set.scenes {
         let mut named = named.clone();
         set_frames(args, &mut named.scene)?;
-        let (row, climbed) =
-            certify(&named, &args.scene, &rules, &mut progress).map_err(|e| set.locate_error(e, &named.name))?;
-        ladders += &format!("\n{}{}", row.name, table::refinement_text(&climbed));
+        let (row, study) =
+            certify(&named, &args.scene, &settings, &mut progress).map_err(|e| set.locate_error(e, &named.name))?;
+        studies += &format!("\n{}{}", row.name, table::refinement_text(&study));
         own.put(row.clone());
         all.put(row);
         if let Some(dir) = args.out.as_deref() {
@@ -105,10 +105,10 @@ fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(Strin
             write_atomic(&dir.join("references.md"), all.markdown().as_bytes())?;
         }
     }
-    Ok((format!("{}{ladders}", own.markdown()), as_json(&own)?))
+    Ok((format!("{}{studies}", own.markdown()), as_json(&own)?))
 }
 
-fn rules(args: &BenchArgs) -> ComparisonSettings {
+fn comparison_settings(args: &BenchArgs) -> ComparisonSettings {
     ComparisonSettings {
         grasps: args.grasps as usize,
         threads: args.threads.map_or_else(machine_threads, |n| n as usize),
@@ -123,7 +123,7 @@ fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
 }
 
 /// Measures the steps of a task per second. Returns the report as text and as JSON, and writes the files.
-fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
+fn measure_rollouts(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.scenes;
     let envs: Vec<usize> = args.envs.iter().map(|n| *n as usize).collect();
     let most = args.threads.map_or_else(machine_threads, |n| n as usize);
@@ -144,17 +144,17 @@ fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, Stri
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let mut scene = loaded.scene.clone();
     set_frames(args, &mut scene)?;
-    let rules = rules(args);
+    let settings = comparison_settings(args);
     let out = args.out.as_deref();
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report = cost_by_size(&scene, &wanted, rules.threads, rules.repeats, progress)
+        let report = cost_by_size(&scene, &wanted, settings.threads, settings.repeats, progress)
             .map_err(|e| loaded.locate_error(e))?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
-    let report = compare(&scene, &args.model, &rules, progress).map_err(|e| loaded.locate_error(e))?;
+    let report = compare(&scene, &args.model, &settings, progress).map_err(|e| loaded.locate_error(e))?;
     let json = as_json(&report)?;
     if let Some(dir) = out {
         write_atomic(&dir.join("bench.json"), json.as_bytes())?;

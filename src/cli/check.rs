@@ -60,8 +60,9 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     let examined = &set.scenes[..set.scenes.len().min(MAX_OBJECTS)];
     // Chunks of one object per thread limit the memory, because each object has its own pads.
     for chunk in examined.chunks(machine_threads()) {
-        let found =
-            chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.locate_error(e, &named.name))));
+        let found = chunk
+            .par_iter()
+            .map(|named| (named, check_scene(&named.scene).map_err(|e| set.locate_error(e, &named.name))));
         for (NamedScene { name, scene, .. }, found) in found.collect::<Vec<_>>() {
             let name = name.as_str();
             let mut json = match &found {
@@ -123,7 +124,7 @@ const MAX_OBJECTS: usize = 50;
 
 /// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no
 /// network is evaluated.
-fn examine(scene: &Scene) -> Result<SceneFindings> {
+fn check_scene(scene: &Scene) -> Result<SceneFindings> {
     let stepper = choose(scene)?;
     // The model is built before the grasps because it rejects scenes that are too large.
     let model = Model::build(scene)?;

@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Largest number of objects whose notices are printed; the manifest lists all.
-const NOTED: usize = 50;
+const MAX_NOTICES: usize = 50;
 
 /// Arguments of `tactus dataset`.
 #[derive(Debug, clap::Args)]
@@ -73,7 +73,7 @@ pub struct DatasetArgs {
     pub max_time: Option<f64>,
     /// Simulate only part I of N, from 1 to N. Parts may run at the same time, on several machines that share the
     /// folder; the same command without this option then completes the data set.
-    #[arg(long, value_name = "I/N", value_parser = part)]
+    #[arg(long, value_name = "I/N", value_parser = parse_part)]
     pub part: Option<(usize, usize)>,
     /// Also measure the sensitivity of the first N grasps of each object (like `run --sensitivity`) into
     /// `sensitivity.csv`; this adds five times the work for these grasps.
@@ -105,10 +105,10 @@ pub fn dataset(args: &DatasetArgs, console: &dyn Console) -> Result<u8> {
     let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
         return Err(argument_error("a scene and `-o DIR` are needed"));
     };
-    run_watched(&args.watch, out, console, || make(args, scene, out, console))
+    run_watched(&args.watch, out, console, || create_dataset(args, scene, out, console))
 }
 
-fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> Result<u8> {
+fn create_dataset(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> Result<u8> {
     let mut set = load_seeded(scene, args.seed)?;
     choose(&mut set.scenes, &args.object)?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
@@ -138,10 +138,10 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         out.display(),
         if resumed > 0 { format!("; {resumed} grasps are already finished") } else { String::new() },
     ));
-    for ExcludedObject { name, reason } in manifest.left_out.iter().take(NOTED) {
+    for ExcludedObject { name, reason } in manifest.left_out.iter().take(MAX_NOTICES) {
         console.warn(&format!("{name}: omitted: {reason}"));
     }
-    for object in manifest.objects.iter().take(NOTED) {
+    for object in manifest.objects.iter().take(MAX_NOTICES) {
         object.notices.iter().for_each(|notice| console.warn(&format!("{}: {notice}", object.name)));
     }
     if args.dry_run {
@@ -208,7 +208,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
 }
 
 /// Parses `I/N`.
-fn part(text: &str) -> std::result::Result<(usize, usize), String> {
+fn parse_part(text: &str) -> std::result::Result<(usize, usize), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| i.parse().ok().zip(n.parse().ok()));
     let inside = numbers.filter(|(i, n): &(usize, usize)| (1..=*n).contains(i));
     inside.ok_or_else(|| "allowed: I/N with I from 1 to N, like 2/8".into())

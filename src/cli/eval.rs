@@ -60,10 +60,10 @@ pub struct EvalArgs {
 /// # Errors
 /// Fails if the data set or the model cannot be read, the split is invalid, or a file cannot be written.
 pub fn eval(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
-    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args, console))
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| evaluate(args, console))
 }
 
-fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
+fn evaluate(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let set = DataSet::open(&args.data)?;
     let predictor = Predictor::open(&args.model)?;
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());

@@ -41,7 +41,7 @@ pub(super) struct SceneFindings {
 
 impl SceneFindings {
     /// Returns the number of grasps that were closed to first contact.
-    fn tried(&self) -> usize {
+    fn closed_grasps(&self) -> usize {
         self.poses.len().min(MAX_GRASPS)
     }
 
@@ -49,7 +49,7 @@ impl SceneFindings {
         let m = &self.model;
         let solid = check_edges(&m.object.surface);
         let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
-        let held = self.held();
+        let held = self.object_bounds();
         let corners = |bounds: &Aabb| json!([bounds.min.to_array(), bounds.max.to_array()]);
         let quality = |f: &FingerModel| {
             let q = &f.quality;
@@ -91,14 +91,14 @@ impl SceneFindings {
                 "bounds_in_hand_m": held.as_ref().map(corners),
             },
             "grasps": self.poses.len(),
-            "tried": self.tried(),
+            "tried": self.closed_grasps(),
             "notices": m.notices.iter().chain(&m.pad_notices()).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
     }
 
     /// Returns the bounds of the object in the hand frame of the first grasp, m.
-    fn held(&self) -> Option<Aabb> {
+    fn object_bounds(&self) -> Option<Aabb> {
         let pose = self.poses.first().map(Pose::inverse)?;
         Some(Aabb::from_points(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
@@ -106,14 +106,14 @@ impl SceneFindings {
     /// Returns the main facts as comment lines: sizes, positions, expected time, loads and notices.
     pub fn overview(&self) -> String {
         let mut lines = Vec::new();
-        self.first(&mut |text| lines.push(text.to_string()));
+        self.write_overview(&mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
     /// Returns the details as comment lines: the meshes and the unknowns, and all systems and components if `systems`.
     pub fn details(&self, systems: bool) -> String {
         let mut lines = vec![String::new()];
-        self.rest(systems, &mut |text| lines.push(text.to_string()));
+        self.write_details(systems, &mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
@@ -126,11 +126,11 @@ impl SceneFindings {
         comment(&shown.chain(rest).collect::<Vec<_>>())
     }
 
-    fn first(&self, line: &mut dyn FnMut(&str)) {
+    fn write_overview(&self, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
         let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
-        line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
-        if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
+        line(&format!("object: {}, {} in its own frame", extent(&own), format_box(&own)));
+        if let (Some(pose), Some(held)) = (self.poses.first(), self.object_bounds()) {
             // Adding zero turns -0 into +0.
             let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
@@ -140,7 +140,7 @@ impl SceneFindings {
             ));
             line(&format!(
                 "in the hand frame of grasp 0: {}; fingers close along x, the hand approaches along z",
-                reach(&held)
+                format_box(&held)
             ));
         }
         let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
@@ -183,7 +183,7 @@ impl SceneFindings {
         if let Some(path) = m.path_error {
             line(&format!("path: the increments are chosen for a relative path error of {path:e} of the displacement"));
         }
-        let (all, tried) = (self.poses.len(), self.tried());
+        let (all, tried) = (self.poses.len(), self.closed_grasps());
         let untried = if tried < all { format!("; {} more were not checked", all - tried) } else { String::new() };
         line(&format!("{} of {tried} grasps can start{untried}", self.started));
         m.notices
@@ -193,7 +193,7 @@ impl SceneFindings {
             .for_each(|notice| line(&format!("note: {notice}")));
     }
 
-    fn rest(&self, systems: bool, line: &mut dyn FnMut(&str)) {
+    fn write_details(&self, systems: bool, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
         for (side, finger) in m.fingers.iter().enumerate().take(if m.has_equal_pads() { 1 } else { 2 }) {
             let (q, c) = (&finger.quality, finger.quality.worst_centroid * 1e3);
@@ -252,7 +252,7 @@ fn extent(bounds: &Aabb) -> String {
 }
 
 /// Formats the corners of a box.
-fn reach(bounds: &Aabb) -> String {
+fn format_box(bounds: &Aabb) -> String {
     let [low, high] =
         [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));
     format!("from {low} to {high} mm")

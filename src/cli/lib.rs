@@ -127,7 +127,7 @@ pub fn main() -> ExitCode {
 }
 
 /// Prints the last message of a command that is ended after a signal because it did not check the stop flag in time.
-fn last_words() {
+fn print_interrupted() {
     // A failure to write is ignored: the terminal may have been closed.
     Terminal::fail("\ninterrupted; files that were being written keep their previous contents");
 }
@@ -137,7 +137,7 @@ fn on_terminal(cli: &Cli) -> Result<u8> {
     let short =
         matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
     if !short {
-        interrupt::on_signals(EXIT_ERROR, last_words)?;
+        interrupt::on_signals(EXIT_ERROR, print_interrupted)?;
     }
     cli.command.run(&Terminal(cli.verbosity()))
 }

@@ -22,7 +22,7 @@ const MAX_INDENTATION_RATIO: f64 = 2.0;
 /// grasp at `pose`, and a grasp that takes more than a day.
 pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &ExpectedTime) -> Vec<String> {
     let sides = if model.has_equal_pads() { 1 } else { model.fingers.len() };
-    let mut all: Vec<String> = (0..sides).filter_map(|side| overload(scene, model, side, pose)).collect();
+    let mut all: Vec<String> = (0..sides).filter_map(|side| excessive_indentation(scene, model, side, pose)).collect();
     if expected.grasp_s > MAX_GRASP_TIME {
         let steps = steps(model).zip(model.dynamics.as_ref()).map_or_else(String::new, |(steps, dynamics)| {
             let (steps, step) = (format_number(round_significant(steps, 2)), format_number(dynamics.time_step));
@@ -36,7 +36,7 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &
 
 /// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`MAX_INDENTATION_RATIO`]
 /// thicknesses.
-fn overload(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<String> {
+fn excessive_indentation(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<String> {
     let force = match &scene.loading {
         Loading::Squeeze(squeeze) => squeeze.force.get(),
         Loading::Dynamic(_) => model.dynamics.as_ref()?.rated_force,

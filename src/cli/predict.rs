@@ -81,22 +81,22 @@ struct Report {
 struct Row {
     grasp: usize,
     #[serde(flatten)]
-    end: End,
+    end: GraspOutcome,
 }
 
 /// Result of a grasp.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-enum End {
+enum GraspOutcome {
     /// Prediction of the network.
-    Answer(Answer),
+    Answer(LastLoadSummary),
     /// Reason why there is no prediction.
     Failed { reason: String },
 }
 
 /// Summary of a grasp at its last load.
 #[derive(Debug, Serialize)]
-struct Answer {
+struct LastLoadSummary {
     travel_mm: f64,
     displacement_mm: f64,
     stress_kpa: Option<f64>,
@@ -134,7 +134,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     if args.format == Format::Json {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
-    let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
+    let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, GraspOutcome::Answer(_)));
     Ok(if good { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
@@ -153,7 +153,8 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let loads: Vec<GraspLoad> = predictor.answered(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();
     let answers = predictor.many(&model, &poses, extrapolate)?;
-    let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
+    let grasps =
+        answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: GraspOutcome::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
     if let (Some(dir), Some(path)) = (&args.out, arrays_of(args, named)) {
         create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &loads, &answers)))?;
@@ -179,7 +180,7 @@ impl Report {
         for Row { grasp, end } in &self.grasps {
             // Writing to a String cannot fail.
             let _ = match end {
-                End::Answer(end) => writeln!(
+                GraspOutcome::Answer(end) => writeln!(
                     text,
                     "{grasp:>5}  {:>9.3}  {:>15.3}  {:>10}  {:>10.2}  {}",
                     end.travel_mm,
@@ -191,10 +192,10 @@ impl Report {
                         _ => "unknown".into(),
                     },
                 ),
-                End::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
+                GraspOutcome::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
             };
         }
-        let answered = self.grasps.iter().filter(|row| matches!(row.end, End::Answer(_))).count();
+        let answered = self.grasps.iter().filter(|row| matches!(row.end, GraspOutcome::Answer(_))).count();
         let _ = writeln!(
             text,
             "{answered} of {} grasps in {:.2} s on {}, {:.0} per second; {} each, {:.1} of them decoded",
@@ -209,19 +210,19 @@ impl Report {
     }
 }
 
-impl End {
+impl GraspOutcome {
     fn of(answer: &Result<PredictedGrasp>) -> Self {
         let last = |answer: &PredictedGrasp| answer.ramp.len().checked_sub(1).and_then(|last| answer.ramp.at(last));
         match answer.as_ref().map(|answer| (slip(answer.hold), last(answer))) {
             Ok((Some(reason), _)) => Self::Failed { reason },
-            Ok((None, Some(state))) => Self::Answer(Answer::of(&state)),
+            Ok((None, Some(state))) => Self::Answer(LastLoadSummary::of(&state)),
             Ok((None, None)) => Self::Failed { reason: "there is no load".into() },
             Err(error) => Self::Failed { reason: error.to_string() },
         }
     }
 }
 
-impl Answer {
+impl LastLoadSummary {
     fn of(state: &GraspState) -> Self {
         let most = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0, f64::max);
         let stress = most(&mut state.pads.iter().flat_map(|p| &p.stress).copied());

@@ -125,7 +125,7 @@ impl Campaign {
     }
 
     /// Fails if the part of the files that is not on the disk yet does not fit on it.
-    fn fits(&self) -> Result<()> {
+    fn check_disk(&self) -> Result<()> {
         let taken = |object: &PlannedObject| {
             let path = self.dir.join(&object.file);
             let there = [open(&path), path].iter().filter_map(|p| p.metadata().ok()).map(|m| allocated(&m)).max();
@@ -161,7 +161,7 @@ impl Campaign {
     /// the data set, not an error.
     pub fn run(&mut self, threads: usize, watcher: &dyn DatasetObserver) -> Result<Manifest> {
         if !self.manifest.finished {
-            self.fits()?;
+            self.check_disk()?;
             self.admit()?;
         }
         // Held while this campaign writes, so that no two processes write to the same folder.
@@ -170,7 +170,7 @@ impl Campaign {
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
-            let finished = longest_first(&self.work(), threads, |index, threads| {
+            let finished = longest_first(&self.expected_work(), threads, |index, threads| {
                 self.object(&self.objects[index], index == 0, threads, watcher)
             })?;
             self.manifest
@@ -195,7 +195,7 @@ impl Campaign {
         // These temporary files are not part of the data set; a failure to remove them is not an error.
         let _ = std::fs::remove_file(self.dir.join(LAYOUT_LOCK));
         remove_temporary_files(&self.dir.join("dgs_output"));
-        self.objects.iter().for_each(|object| remove_temporary_files(&self.about(object)));
+        self.objects.iter().for_each(|object| remove_temporary_files(&self.loader_folder(object)));
         Ok(self.manifest.clone())
     }
 
@@ -217,7 +217,7 @@ impl Campaign {
     }
 
     /// Returns the folder of an object's files for the public loader.
-    fn about(&self, object: &PlannedObject) -> PathBuf {
+    fn loader_folder(&self, object: &PlannedObject) -> PathBuf {
         self.dir.join("dgn_dataset").join(object.named.name.as_str())
     }
 
@@ -242,22 +242,22 @@ impl Campaign {
         if self.manifest.finished {
             return Ok(0);
         }
-        self.fits()?;
+        self.check_disk()?;
         self.admit()?;
         let lock = FolderLock::shared(&self.dir, COMMAND)?;
         lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
-        let turn = self.turn()?;
+        let turn = self.lock_shared_files()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
-        let ran = longest_first(&self.work(), threads, |index, threads| {
+        let ran = longest_first(&self.expected_work(), threads, |index, threads| {
             self.simulate(&self.objects[index], index == 0, |grasp| grasp % parts == part, threads, watcher)
         })?;
         Ok(ran.into_iter().sum())
     }
 
     /// Returns the expected work of each object: grasps x frames x nodes.
-    fn work(&self) -> Vec<u64> {
+    fn expected_work(&self) -> Vec<u64> {
         let of = |FileSizes { grasps, frames, nodes, .. }: &FileSizes| (grasps * frames * nodes) as u64;
         self.objects.iter().map(|object| of(&object.sizes)).collect()
     }
@@ -273,7 +273,7 @@ impl Campaign {
         let path = self.dir.join(&object.file);
         let rename = |from: &Path, to: &Path| std::fs::rename(from, to).map_err(|e| cannot_write(to, &e));
         // The renaming is the last step: a file with its final name is complete unless it was damaged later.
-        if path.exists() && !self.is_whole(object, &path) {
+        if path.exists() && !self.is_complete(object, &path) {
             rename(&path, &open(&path))?;
         }
         if !path.exists() {
@@ -292,25 +292,25 @@ impl Campaign {
     }
 
     /// Returns true if the file at `path` has the layout of the object and intact rows of all its grasps.
-    fn is_whole(&self, object: &PlannedObject, path: &Path) -> bool {
+    fn is_complete(&self, object: &PlannedObject, path: &Path) -> bool {
         let Ok(writer) = Writer::open(path, &object.sizes) else { return false };
-        let sound = self.sound(object, &writer);
-        sound.len() == object.poses.len() && self.is_laid_out(object, path)
+        let sound = self.intact_grasps(object, &writer);
+        sound.len() == object.poses.len() && self.has_layout(object, path)
     }
 
     /// Returns true if the file at `path` has the layout of the object, regardless of its rows.
-    fn is_laid_out(&self, object: &PlannedObject, path: &Path) -> bool {
+    fn has_layout(&self, object: &PlannedObject, path: &Path) -> bool {
         let layout = Writer::open(path, &object.sizes).and_then(|writer| writer.layout());
-        layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
+        layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.layout_record(&layout)))
     }
 
     /// Returns the record of a layout. It contains the plan, so that a layout of another plan is not recognised.
-    fn of_plan(&self, layout: &str) -> String {
+    fn layout_record(&self, layout: &str) -> String {
         format!("{} {layout}", self.manifest.plan)
     }
 
     /// Returns the grasps whose records and rows are intact.
-    fn sound(&self, object: &PlannedObject, writer: &Writer) -> BTreeMap<usize, FinishedGrasp> {
+    fn intact_grasps(&self, object: &PlannedObject, writer: &Writer) -> BTreeMap<usize, FinishedGrasp> {
         let finished = self.progress(object).finished(object.poses.len());
         finished.into_par_iter().filter(|(_, record)| writer.rows_match(record)).collect()
     }
@@ -338,7 +338,7 @@ impl Campaign {
         let encoder = Encoder::new(&recorded, object.sizes.clone(), world);
         self.lay_out(object, &recorded, encoder.mirrored, first)?;
         let writer = Writer::open(&open(&path), &object.sizes)?;
-        let done = self.sound(object, &writer);
+        let done = self.intact_grasps(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = (self.choose)(scene)?;
@@ -356,17 +356,17 @@ impl Campaign {
 
     /// Waits until no other part writes the files that all parts share. Otherwise a part that starts at the same time
     /// could rename a half-written file.
-    fn turn(&self) -> Result<WriteLock> {
+    fn lock_shared_files(&self) -> Result<WriteLock> {
         WriteLock::acquire(&self.dir.join(LAYOUT_LOCK), COMMAND)
     }
 
     /// Writes the files of one object, with empty rows, unless they exist. One part does this while the others wait.
     fn lay_out(&self, object: &PlannedObject, model: &Model, mirrored: bool, first: bool) -> Result<()> {
-        let _turn = self.turn()?;
+        let _turn = self.lock_shared_files()?;
         let open = open(&self.dir.join(&object.file));
-        if !open.exists() || !self.is_laid_out(object, &open) {
+        if !open.exists() || !self.has_layout(object, &open) {
             let name = object.named.name.as_str();
-            let about = self.about(object);
+            let about = self.loader_folder(object);
             create_dir(&about)?;
             let pad = sensor(&model.finger()?.topology);
             if first {
@@ -381,7 +381,7 @@ impl Campaign {
             self.progress(object).clear()?;
             create(&open, &object.named, model, &object.sizes, mirrored)?;
             let layout = Writer::open(&open, &object.sizes)?.layout()?;
-            self.progress(object).record_layout(&self.of_plan(&layout))?;
+            self.progress(object).record_layout(&self.layout_record(&layout))?;
         }
         Ok(())
     }

@@ -196,15 +196,15 @@ impl ObjectEntry {
                 let reason = f.reason.clone().unwrap_or_default();
                 self.failures.push(FailedGrasp { grasp: f.grasp, status: f.status, reason, frames: f.frames });
             }
-            f.expectations.iter().for_each(|held| self.judge(f.grasp, held));
+            f.expectations.iter().for_each(|held| self.add(f.grasp, held));
         }
     }
     /// Adds the verdict on a grasp for one expectation.
-    fn judge(&mut self, grasp: usize, held: &Verdict) {
+    fn add(&mut self, grasp: usize, held: &Verdict) {
         let broken = (!held.held).then_some(grasp);
         match self.expectations.iter_mut().find(|p| p.worst.name == held.name) {
             Some(known) => {
-                known.worst = known.worst.clone().worse(held.clone());
+                known.worst = known.worst.clone().worse_of(held.clone());
                 known.broken_by.extend(broken);
             }
             None => {

@@ -52,7 +52,7 @@ impl DataSet {
         let splits = serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not readable: {e}")))?;
         let (mut objects, mut damaged) = (Vec::new(), Vec::new());
         for entry in &manifest.objects {
-            match sound(&dir.join(&entry.file), entry) {
+            match open_object(&dir.join(&entry.file), entry) {
                 Ok(object) => objects.push(object),
                 Err(error) => damaged.push(error),
             }
@@ -72,7 +72,7 @@ impl DataSet {
 }
 
 /// Opens the file of an object if it agrees with its entry.
-fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
+fn open_object(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let fail = |message: String| Err(Error::file(path, message));
     let size =
         std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();

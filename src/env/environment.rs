@@ -187,7 +187,7 @@ impl RunningEpisode {
     /// Closes the hand on the object of the draw, which rests on its support.
     fn new(shared: &EnvShared, draw: EpisodeParameters) -> Result<Self, Stop> {
         let force = shared.task.start.get();
-        let (environment, frame) = grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
+        let (environment, frame) = start_grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
         let weight = shared.weight(&draw, &draw.pose);
         let loads = EpisodeLoads { weight, lift: shared.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
@@ -221,7 +221,7 @@ impl RunningEpisode {
         if let Some(other) = regrasp {
             let pose = action::regrasp_pose(&self.draw.pose, shared.center(), other);
             self.loads.weight = shared.weight(&self.draw, &pose);
-            let (environment, frame) = grasp(shared, &model, pose, force)?;
+            let (environment, frame) = start_grasp(shared, &model, pose, force)?;
             shared.recycle(std::mem::replace(&mut self.environment, environment));
             self.frame = frame;
             self.slipped = 0.0;
@@ -229,7 +229,7 @@ impl RunningEpisode {
         // A new grasp carries the full weight immediately.
         let step = if regrasp.is_some() { self.step.max(self.loads.lift) } else { self.step };
         let load = self.loads.at(step, twist);
-        let frame = drive(&mut self.environment, &model, force, load)?;
+        let frame = advance_world(&mut self.environment, &model, force, load)?;
         let slip = slip::slip(&model, &self.frame, &frame);
         self.slipped += slip;
         let margin = slip::margin(&model, shared.variant(&self.draw).friction, &frame, load);
@@ -257,9 +257,9 @@ impl EpisodeKey {
 }
 
 /// Creates a world and closes its hand at `pose` with `force` (N, sum over the fingers).
-fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Result<(Environment, Frame), Stop> {
+fn start_grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Result<(Environment, Frame), Stop> {
     let mut environment = shared.environment(model, pose).map_err(|e| Stop::fault(e.to_string()))?;
-    match close(&mut environment, model, force) {
+    match close_hand(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
         Err(stop) => {
             shared.recycle(environment);
@@ -269,11 +269,11 @@ fn grasp(shared: &EnvShared, model: &Arc<Model>, pose: Pose, force: f64) -> Resu
 }
 
 /// Closes the hand of a new world with `force` (N, sum over the fingers).
-fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
+fn close_hand(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, Stop> {
     environment.world_mut().insert_resource(ForceCommand { force: 0.0 });
     loop {
         match environment.phase() {
-            Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
+            Phase::Ramp { .. } => return advance_world(environment, model, force, DVec3::ZERO),
             Phase::Dropped { reason } => return Err(Stop { dropped: true, reason }),
             Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(Stop::fault(reason)),
             Phase::Done => return Err(Stop::fault("the grasp ended before its first step")),
@@ -283,7 +283,7 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
 }
 
 /// Takes one step of the world under `force` (N, sum over the fingers) and `load` on the object (N, hand frame).
-fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
+fn advance_world(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, Stop> {
     let world = environment.world_mut();
     world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);

@@ -40,14 +40,14 @@ impl ObjectKind {
         let step = (count / 2 + 1..).find(|s| coprime(*s, count)).unwrap_or(1);
         let part = |k: usize| (k as f64 + 0.5) / count as f64;
         let variant = |k: usize| {
-            let mut scene = alone(&named.scene, task)?;
+            let mut scene = adapted_scene(&named.scene, task)?;
             if let Some(young) = random.young {
-                scene.gripper.material = scaled(&scene.gripper.material, young.interpolate(part(k)))?;
+                scene.gripper.material = scale_stiffness(&scene.gripper.material, young.interpolate(part(k)))?;
             }
             let nominal = scene.gripper.friction.get();
             let friction = random.friction.map_or(nominal, |span| span.interpolate(part(k * step % count)));
             if stepper.solves_friction() {
-                scene.gripper.friction = leaf(NonNegative::new(friction))?;
+                scene.gripper.friction = checked_value(NonNegative::new(friction))?;
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
@@ -72,12 +72,17 @@ impl ObjectKind {
 const DRIFT_FACTOR: f64 = 2.0;
 
 /// Returns the scene adapted to an environment: the task defines the loads, and only the fields it uses are recorded.
-fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
+fn adapted_scene(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
     scene.clear_expectations();
-    let force = leaf(Positive::new(task.force.interpolate(1.0)))?;
-    scene.loading =
-        Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
+    let force = checked_value(Positive::new(task.force.interpolate(1.0)))?;
+    scene.loading = Loading::Squeeze(Squeeze {
+        force,
+        from: None,
+        release: None,
+        frames: checked_value(Count::new(1))?,
+        push: None,
+    });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| term(r).needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false, tactile: Vec::new() };
@@ -85,13 +90,13 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
 }
 
 /// Returns the material with Young's modulus multiplied by `factor`.
-fn scaled(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
+fn scale_stiffness(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
     let spec = material.spec();
-    leaf(material.with(spec.young * factor, spec.poisson))
+    checked_value(material.with(spec.young * factor, spec.poisson))
 }
 
 /// Converts the message about an invalid value of the task into an error.
-fn leaf<T>(value: std::result::Result<T, String>) -> Result<T> {
+fn checked_value<T>(value: std::result::Result<T, String>) -> Result<T> {
     value.map_err(|message| Error::Start(format!("task: {message}")))
 }
 

@@ -71,12 +71,12 @@ pub fn with_chosen_mesh(scene: &Scene) -> Result<Scene> {
 pub fn choose_mesh(scene: &Scene, object: &Shape) -> Result<Option<MeshChoice>> {
     let pads = &scene.gripper.pads;
     let (Some(accuracy), Some(size)) = (pads.accuracy(), pad::extent(pads)) else { return Ok(None) };
-    let bed = WinklerFoundation::of(scene, size);
+    let bed = WinklerFoundation::from_scene(scene, size);
     let poses = grasp_poses(scene)?;
     let step = poses.len().div_ceil(GRASPS).max(1);
     let looked_at = poses.iter().enumerate().step_by(step);
     let patches = looked_at.flat_map(|(grasp, pose)| bed.patches(scene, object, grasp, pose));
-    let Some(all) = patches.reduce(Patch::demanding) else {
+    let Some(all) = patches.reduce(Patch::smaller) else {
         let why = format!(
             "accuracy {}: none of the checked grasps touches the object, so the mesh is that without `accuracy`",
             format_number(accuracy)
@@ -116,7 +116,7 @@ pub fn choose_mesh(scene: &Scene, object: &Shape) -> Result<Option<MeshChoice>> 
 /// m. The gel stiffens under compression, so that beyond a few tenths of the thickness the result is an upper bound.
 pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &Pose) -> Option<f64> {
     let own = Scene { gripper: scene.gripper.with_equal_fingers(side), ..scene.clone() };
-    let bed = WinklerFoundation::of(&own, size);
+    let bed = WinklerFoundation::from_scene(&own, size);
     let gaps = bed.gaps(object, pose, *closing(scene).get(side)?)?;
     let first = gaps.iter().copied().reduce(f64::min).filter(|first| first.is_finite())?;
     Some(bed.depth(&gaps, first, 4.0 * bed.half.x * bed.half.y / (POINTS * POINTS) as f64))
@@ -144,7 +144,7 @@ struct Patch {
 
 impl Patch {
     /// Returns the smaller patch, with the larger of the two reaches.
-    fn demanding(self, other: Self) -> Self {
+    fn smaller(self, other: Self) -> Self {
         let smaller = if other.size < self.size { other } else { self };
         Self { reach: self.reach.max(other.reach), ..smaller }
     }
@@ -168,7 +168,7 @@ enum Load {
 }
 
 impl WinklerFoundation {
-    fn of(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
+    fn from_scene(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
         let half = 0.5 * DVec2::new(x, y);
         let bounds = Aabb { min: (-half).extend(-thickness), max: half.extend(0.0) };
         let hand = Hand::new(bounds, &scene.gripper);

@@ -58,7 +58,7 @@ const STICKING: f64 = 10.0;
 impl Dynamics {
     /// Returns the dynamics of `scene` if it is dynamic; `mass` is the mass of the object, kg, `offset` the contact
     /// offset, m.
-    pub fn of(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
+    pub fn from_scene(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
         let Loading::Dynamic(dynamic) = &scene.loading else { return None };
         let gravity = scene.gravity.map_or(DVec3::ZERO, |g| g.dvec3());
         let squeezes = motion::squeezes(&dynamic.motions);

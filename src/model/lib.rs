@@ -129,7 +129,7 @@ impl Model {
             .map_err(|e| e.with_field("object.surface"))?;
         let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();
-        let dynamics = Dynamics::of(scene, &object, mass, offset);
+        let dynamics = Dynamics::from_scene(scene, &object, mass, offset);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
         let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
         let share = if squeeze { 1.0 / sides as f64 } else { 1.0 };
@@ -144,7 +144,7 @@ impl Model {
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
         }
-        if let (Loading::Press(_), Some(thickness)) = (&scene.loading, thinnest(&fingers)) {
+        if let (Loading::Press(_), Some(thickness)) = (&scene.loading, min_thickness(&fingers)) {
             let depth = levels.iter().copied().fold(0.0, f64::max);
             if depth >= thickness {
                 let [depth, thickness] = [depth, thickness].map(|v| format_number(v * 1e3));
@@ -153,7 +153,7 @@ impl Model {
             }
         }
         let free = scene.object.motion == ObjectMotion::Free;
-        let needs = Needs::of(scene);
+        let needs = Needs::from_scene(scene);
         // A quasi-static solution is path-dependent only with friction.
         let depends = needs.friction && dynamics.is_none() && !fingers.is_empty();
         let audit = || Arc::new(Auditor::new(&scene.expectations(), &scaled, &object, &fingers, offset));
@@ -187,13 +187,13 @@ impl Model {
             notices,
             object,
         };
-        model.release = model.released_at(&scene.loading);
-        model.dropped_after = model.dropped_after(&scene.object.dropped_after);
+        model.release = model.release_force(&scene.loading);
+        model.dropped_after = model.drop_limits(&scene.object.dropped_after);
         Ok(Arc::new(model))
     }
 
     /// Returns the motion after which the object counts as dropped; by default half of the shortest side of the pads.
-    fn dropped_after(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
+    fn drop_limits(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
         let sides = self.fingers.iter().map(|finger| finger.bounds().size().truncate().min_element());
         let half = 0.5 * sides.reduce(f64::min)?;
         let distance = given.distance.map_or(half, |distance| distance.get());
@@ -206,7 +206,7 @@ impl Model {
     pub fn with_loading(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
         let mut model = Self { levels, friction, ..self.clone() };
         model.fingers.iter_mut().for_each(|finger| finger.law.friction = friction);
-        model.release = model.released_at(loading);
+        model.release = model.release_force(loading);
         model
     }
 
@@ -255,7 +255,7 @@ impl Model {
 
     /// Returns the thickness of the thinnest pad, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
-        thinnest(&self.fingers).unwrap_or(0.0)
+        min_thickness(&self.fingers).unwrap_or(0.0)
     }
 
     /// Returns the fraction of the push in frame `frame`; zero without a push.
@@ -281,7 +281,7 @@ impl Model {
     /// Returns the force per finger at which a free object is released, N. Unless the scene gives it, an object is
     /// released at the contact force, and an object with weight at no less than half of the final force; at the final
     /// force at the latest.
-    fn released_at(&self, loading: &Loading) -> f64 {
+    fn release_force(&self, loading: &Loading) -> f64 {
         let Loading::Squeeze(squeeze) = loading else { return 0.0 };
         let last = self.levels.last().copied().unwrap_or(0.0);
         let lifted = if self.gravity.is_some() { HEAVY_RELEASE_RATIO * last } else { 0.0 };
@@ -310,7 +310,7 @@ impl Model {
 }
 
 /// Returns the thickness of the thinnest pad, m.
-fn thinnest(fingers: &[FingerModel]) -> Option<f64> {
+fn min_thickness(fingers: &[FingerModel]) -> Option<f64> {
     fingers.iter().map(|f| f.topology.thickness()).reduce(f64::min)
 }
 

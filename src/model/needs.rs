@@ -40,7 +40,7 @@ pub struct Needs {
 
 impl Needs {
     /// Returns the requirements of `scene`.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn from_scene(scene: &Scene) -> Self {
         let promises = scene.expectations();
         let recorded = |field: Field| scene.record.fields.contains(&field);
         let mut needs = Self {

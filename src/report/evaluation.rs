@@ -44,7 +44,7 @@ pub fn data_set(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<(
     }
     let set = DataSet::open(dir)?;
     let mut blocks = match &wishes.model {
-        Some(model) => judged(&set, model, wishes, page)?,
+        Some(model) => evaluate_network(&set, model, wishes, page)?,
         None => {
             let poses = split(&[&set.splits], wishes.split.as_deref().unwrap_or("poses"))?.remove(0).test;
             let all = set.select(&poses);
@@ -91,7 +91,7 @@ fn objects(set: &DataSet) -> Table {
 
 /// Returns the tables and charts of the network; adds recordings of grasps ranging from the best to the worst to the
 /// page.
-fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
+fn evaluate_network(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     let judged = judge(set, &predictor, &split, false)?;
@@ -99,7 +99,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
     let mut ranked: Vec<&Judged> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
     ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));
     for (at, role) in example_ranks(ranked.len(), wishes.grasps) {
-        page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
+        page.recordings.push(comparison_recording(set, &predictor, ranked[at], &role, wishes.frames)?);
     }
     let (stress, displacement) = ranks(&judged);
     let mut notes = vec![PageBlock::Note(format!(
@@ -156,7 +156,13 @@ fn example_ranks(count: usize, wanted: usize) -> Vec<(usize, String)> {
     places.into_iter().map(|at| (at, role(at))).collect()
 }
 
-fn compared(set: &DataSet, predictor: &Predictor, judged: &Judged, role: &str, most: usize) -> Result<Recording> {
+fn comparison_recording(
+    set: &DataSet,
+    predictor: &Predictor,
+    judged: &Judged,
+    role: &str,
+    most: usize,
+) -> Result<Recording> {
     let missing = || Error::Start("an evaluated grasp is not in the data set".into());
     let error = judged.frames.last().ok_or_else(missing)?;
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;

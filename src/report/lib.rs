@@ -51,7 +51,7 @@ pub fn report(dirs: &[PathBuf], wishes: &ReportOptions) -> Result<Page> {
             Source::Data(dir) => evaluation::data_set(dir, wishes, &mut page)?,
             Source::Training(dir) => training::training(dir, &mut page)?,
         }
-        page.sections[first..].iter_mut().for_each(|section| section.written = source.written());
+        page.sections[first..].iter_mut().for_each(|section| section.modified = source.modified());
     }
     Ok(page)
 }

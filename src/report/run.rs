@@ -36,7 +36,8 @@ pub fn run(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<()> {
     let pads = if pads.is_empty() { "no pads".into() } else { format!("pads of {}", pads.join(" and ")) };
     let lead = format!("{about} {}, {pads}, backend {}.", format_count(report.grasps.len(), "grasp"), report.backend);
     let mut section = Section::new(format!("Run {}", name(dir)), lead.trim(), blocks);
-    section.made = [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
+    section.origin_texts =
+        [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
     page.sections.push(section);
     Ok(())
 }

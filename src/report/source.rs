@@ -82,7 +82,7 @@ fn in_folder(dir: &Path) -> Vec<Source> {
 
 impl Source {
     /// Returns the modification time of the identifying file, s since 1970-01-01 UTC.
-    pub fn written(&self) -> Option<u64> {
+    pub fn modified(&self) -> Option<u64> {
         let (Source::Bench(dir) | Source::Sizes(dir) | Source::Run(dir) | Source::Data(dir) | Source::Training(dir)) =
             self;
         let (name, _) = RESULT_FILES.iter().find(|(_, source)| source(dir.clone()) == *self)?;

@@ -63,12 +63,12 @@ impl Loader {
             check_include(&included, chain, self.sources.len())
                 .map_err(|m| self.sources[index].error_at(&format!("include[{i}]"), &m))?;
             let (part, theirs) = self.read_tree(&included, chain, Some((index, i)))?;
-            whole.take_over(part);
+            whole.merge(part);
             origins.extend(theirs);
         }
         chain.pop();
-        origins.extend(own.given().into_iter().map(|field| (field, index)));
-        whole.take_over(own);
+        origins.extend(own.given_fields().into_iter().map(|field| (field, index)));
+        whole.merge(own);
         Ok((whole, origins))
     }
 }

@@ -75,7 +75,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
     let mut set = load_set(path)?.retain_object(object)?;
     if set.scenes.len() > 1 {
-        let message = format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.names());
+        let message =
+            format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.listed_names());
         return Err(Error::Argument(message));
     }
     let scene = set.scenes.swap_remove(0).scene;
@@ -94,10 +95,10 @@ impl LoadedSet {
                 self.scenes = vec![self.scenes.swap_remove(index)];
                 Ok(self)
             }
-            None => self.refuse(format!(
+            None => self.scene_error(format!(
                 "has no object {}; it has: {}",
                 format_args!("{:?}", truncate_name(name)),
-                self.names()
+                self.listed_names()
             )),
         }
     }
@@ -120,16 +121,16 @@ impl LoadedSet {
     }
 
     /// Returns the names of the first 20 objects for a message.
-    fn names(&self) -> String {
-        const SHOWN: usize = 20;
-        let mut names: Vec<_> = self.scenes.iter().take(SHOWN).map(|s| s.name.as_str()).collect();
-        if self.scenes.len() > SHOWN {
+    fn listed_names(&self) -> String {
+        const MAX_LISTED: usize = 20;
+        let mut names: Vec<_> = self.scenes.iter().take(MAX_LISTED).map(|s| s.name.as_str()).collect();
+        if self.scenes.len() > MAX_LISTED {
             names.push("...");
         }
         names.join(", ")
     }
 
-    fn refuse<T>(&self, message: String) -> Result<T> {
+    fn scene_error<T>(&self, message: String) -> Result<T> {
         Err(Error::Scene(format!("error: {}: {message}", display_path(&self.path).display())))
     }
 }

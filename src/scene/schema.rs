@@ -121,14 +121,14 @@ macro_rules! part {
 
         impl ScenePart {
             /// Replaces every field that `other` gives.
-            pub fn take_over(&mut self, other: ScenePart) {
+            pub fn merge(&mut self, other: ScenePart) {
                 $(if other.$field.is_some() {
                     self.$field = other.$field;
                 })*
             }
 
             /// Returns the names of the fields that this file gives.
-            pub fn given(&self) -> Vec<&'static str> {
+            pub fn given_fields(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $(if self.$field.is_some() {
                     names.push(stringify!($field));

@@ -336,7 +336,7 @@ fn nothing_is_computed_that_the_scene_does_not_ask_for() {
             "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), loading: Squeeze(force: 2.0),
               record: (fields: [], {record}))"
         );
-        Needs::of(&tactus::scene::from_ron(&scene).unwrap())
+        Needs::from_scene(&tactus::scene::from_ron(&scene).unwrap())
     };
     let none = needs("");
     assert!(!none.tactile && !none.slip && !none.contact_area && !none.contact_force);

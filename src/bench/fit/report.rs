@@ -7,9 +7,9 @@ use serde::Serialize;
 use std::fmt::Write;
 
 /// Root mean square of the relative residuals below which the scene already matches the table.
-const NOTHING: f64 = 1e-3;
+const MATCH_RMS: f64 = 1e-3;
 /// Largest number of points whose residuals are listed individually.
-const LISTED: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Fitted value of a parameter, with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -121,7 +121,7 @@ impl FitReport {
     ) -> Self {
         let given_rms = rms(&given);
         let singles = fits.iter().filter(|f| f.free.len() == 1);
-        let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > NOTHING);
+        let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > MATCH_RMS);
         Self {
             depths_m: curve.points.iter().map(|p| p.0).collect(),
             forces_n: curve.points.iter().map(|p| p.1).collect(),
@@ -158,7 +158,7 @@ impl FitReport {
         let mut out = format!("{:<20}", "free");
         // Writing to a String cannot fail.
         Parameter::ALL.iter().for_each(|p| out += &format!("{:>17}", p.shown_as().0));
-        let listed = self.depths_m.len() <= LISTED;
+        let listed = self.depths_m.len() <= MAX_LISTED;
         if listed {
             self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", format_number(d * 1e3))));
         }
@@ -182,7 +182,7 @@ impl FitReport {
             format!("{name} {} to {}", format_number(low * scale), format_number(high * scale))
         });
         let _ = writeln!(out, "ranges: {}", ranges.collect::<Vec<_>>().join(", "));
-        out += &self.verdict();
+        out += &self.explanation();
         out
     }
 
@@ -193,14 +193,14 @@ impl FitReport {
                 if value.is_nan() { ".".into() } else { format!("{}{note}", format_4_digits(value * p.shown_as().1)) };
             *out += &format!("{text:>17}");
         }
-        if residuals.len() <= LISTED {
+        if residuals.len() <= MAX_LISTED {
             residuals.iter().for_each(|r| *out += &format!("{:>+7.1} %", 100.0 * r));
         }
         let _ = writeln!(out, "{:>7.1} % {:>5.1} %", 100.0 * largest(residuals), 100.0 * rms);
     }
 
     /// Names the parameter that explains the deviation.
-    fn verdict(&self) -> String {
+    fn explanation(&self) -> String {
         let Some(explains) = self.explains else {
             return "the scene agrees with the table: there is no deviation to explain\n".into();
         };

@@ -51,7 +51,7 @@ impl Bonding {
     /// or every node is bonded.
     pub(super) fn bonded_nodes(&self, mesh: &TetMesh, outward: DVec3) -> Result<Vec<bool>> {
         let bonded: Vec<bool> = match self {
-            Bonding::Nodes(list) => listed(list, mesh.nodes.len())?,
+            Bonding::Nodes(list) => flags_of_list(list, mesh.nodes.len())?,
             Bonding::Plane { within, .. } | Bonding::Surface { within, .. } => {
                 if !(within.is_finite() && *within >= 0.0) {
                     let message =
@@ -111,7 +111,7 @@ impl Bonding {
 }
 
 /// Returns a flag per node, true for those of the list.
-fn listed(list: &[usize], count: usize) -> Result<Vec<bool>> {
+fn flags_of_list(list: &[usize], count: usize) -> Result<Vec<bool>> {
     let mut bonded = vec![false; count];
     for i in list {
         let Some(flag) = bonded.get_mut(*i) else {

@@ -117,10 +117,10 @@ pub struct RoundedEdge {
 }
 
 /// Largest angle between the normals of two faces that count as coplanar, rad.
-const FLAT: f64 = 1e-6;
+const COPLANAR_ANGLE: f64 = 1e-6;
 /// Radius of a rounded edge, over the spacing of the points on it, from which on the samples of a pad resolve the edge:
 /// between them the pad then penetrates it by a fiftieth of their distance.
-const ROUND: f64 = 12.0;
+const RESOLVED_RADIUS: f64 = 12.0;
 
 /// Returns the number of parts of at most `spacing` m into which a length is divided (at most 10,000); 1 if the spacing
 /// is not positive.
@@ -148,12 +148,12 @@ impl RoundedEdge {
 impl SurfaceFeatures {
     /// Returns the vertices, then points on the sharp edges between their ends such that neighbours are at most
     /// `spacing` m apart (none if it is not positive; at most 10,000 per edge). Points of the same spacing follow on
-    /// rounded edges with a radius below `ROUND * spacing`; points on the tight parts of a solid of revolution and all
+    /// rounded edges with a radius below `RESOLVED_RADIUS * spacing`; points on the tight parts of a solid of revolution and all
     /// over a thin rod are spaced according to the contact `offset` (m). No point occurs twice.
     pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
-        let tight = self.rounded_edges.iter().filter(|e| e.radius < ROUND * spacing);
+        let tight = self.rounded_edges.iter().filter(|e| e.radius < RESOLVED_RADIUS * spacing);
         points.extend(tight.flat_map(|e| e.sample(spacing)));
         points.extend(Ring::sample(&self.rings, spacing, offset));
         points.extend(self.rod.iter().flat_map(|rod| rod.sample(spacing, offset)));
@@ -201,7 +201,7 @@ impl SurfaceFeatures {
             if convex && angle > SHARP_ANGLE {
                 edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
                 sharp_edges.push(ridge);
-            } else if convex && angle > FLAT {
+            } else if convex && angle > COPLANAR_ANGLE {
                 blunt_edges.push(ridge);
             }
         }

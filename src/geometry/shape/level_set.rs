@@ -28,7 +28,7 @@ const MIN_OUTSIDE: f64 = 0.5;
 const MIN_GRADIENT: f64 = 0.3;
 /// Step of the closest-point iteration, over the spacing, at which it has converged: the next one would be of the size
 /// of rounding errors.
-const CONVERGED: f64 = 1e-8;
+const STEP_TOLERANCE: f64 = 1e-8;
 /// Maximum number of iterations for a closest point.
 const STEPS: usize = 12;
 
@@ -47,7 +47,7 @@ pub struct LevelSet {
     spacing: f64,
     /// Number of blocks along the axes.
     blocks: IVec3,
-    /// Index of the first coefficient of each block, divided by `BLOCK^3`; [`NONE`] far from the surface.
+    /// Index of the first coefficient of each block, divided by `BLOCK^3`; [`NO_BLOCK`] far from the surface.
     index: Vec<u32>,
     coefficients: Vec<f64>,
     /// Value of the spline on the surface, m.
@@ -57,7 +57,7 @@ pub struct LevelSet {
 }
 
 /// Index of a block that has no coefficients.
-const NONE: u32 = u32::MAX;
+const NO_BLOCK: u32 = u32::MAX;
 
 /// Value above the level of the surface, gradient and Hessian of the spline at a point.
 struct Jet {
@@ -87,7 +87,7 @@ impl LevelSet {
             (0..BLOCK.pow(3)).map(move |i| center + axes * (at + node(i) * spacing))
         };
         let coefficients = close.par_iter().flat_map_iter(|b| nodes(*b)).map(|node| base.distance(node)).collect();
-        let mut index = vec![NONE; blocks.element_product() as usize];
+        let mut index = vec![NO_BLOCK; blocks.element_product() as usize];
         close.iter().zip(0..).for_each(|(b, i)| index[*b as usize] = i);
         Self { base, axes, center, origin, spacing, blocks, index, coefficients, level: 0.0, deviation: 0.0 }
     }
@@ -138,7 +138,7 @@ impl LevelSet {
             }
             (c, lambda) = (c + step, lambda + change);
             jet = self.jet(c)?;
-            if step.length() <= CONVERGED * self.spacing {
+            if step.length() <= STEP_TOLERANCE * self.spacing {
                 break;
             }
         }
@@ -158,7 +158,7 @@ impl LevelSet {
 
     /// Closest point data of `q` if it lies in the band around the surface; of first order where the search fails, as
     /// on a medial axis.
-    fn near(&self, q: DVec3) -> Option<SurfacePoint> {
+    fn closest_in_band(&self, q: DVec3) -> Option<SurfacePoint> {
         let jet = self.jet(q)?;
         let size = jet.gradient.length();
         let distance = jet.value / size;
@@ -245,7 +245,7 @@ impl SignedDistance for LevelSet {
     }
 
     fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
-        if let Some(closest) = self.near(q) {
+        if let Some(closest) = self.closest_in_band(q) {
             return (closest.distance < max).then_some(closest);
         }
         let base = self.base.closest(q, max + self.deviation)?;

@@ -119,7 +119,7 @@ impl MeshDistance {
 
     /// Returns the surface points other than the closest one, which is on `facet`, that interact with `q` within the
     /// distance `felt` (m), with their weights: near a concave edge, the closest point on the other incident face.
-    fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(SurfacePoint, f64)> {
+    fn additional_points(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(SurfacePoint, f64)> {
         let f = &self.bvh.facets[facet as usize];
         let (_, nearest) = f.nearest(q);
         if nearest == TrianglePart::Face && f.edge_distance(q) > 2.0 * felt {
@@ -133,14 +133,14 @@ impl MeshDistance {
                 (_, part) => TrianglePosition::At(other.to_mesh_part(part)),
             }
         };
-        let along = |t, i| self.along(q, t, i).1;
+        let along = |t, i| self.closest_on_edge(q, t, i).1;
         let others = self.rings.additional_parts(f.triangle, f.to_mesh_part(nearest), view, along).into_iter();
-        others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
+        others.filter_map(|(place, weight)| Some((self.surface_point(q, place)?, weight))).collect()
     }
 
     /// Returns the point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle that contains
     /// it.
-    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
+    fn closest_on_edge(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
         let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
         let s = (q - a).dot(b - a) / (b - a).length_squared();
         let part = if s <= 0.0 {
@@ -154,7 +154,7 @@ impl MeshDistance {
     }
 
     /// Returns closest point data for a part of the surface that faces `q`.
-    fn outside(&self, q: DVec3, place: SurfacePart) -> Option<SurfacePoint> {
+    fn surface_point(&self, q: DVec3, place: SurfacePart) -> Option<SurfacePoint> {
         let (point, turning) = match place {
             SurfacePart::Face(t) => {
                 let f = &self.bvh.facets[self.facet[t as usize] as usize];
@@ -164,7 +164,7 @@ impl MeshDistance {
             SurfacePart::Edge(e) => {
                 let (t, i) = self.rings.triangle_of_edge(e);
                 let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
-                (self.along(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
+                (self.closest_on_edge(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
             }
             SurfacePart::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
         };
@@ -185,7 +185,7 @@ impl SignedDistance for MeshDistance {
 
     fn contact_points(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
         let (nearest, facet) = self.signed_within(q, max)?;
-        let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
+        let beside = if nearest.distance < felt { self.additional_points(q, facet, felt) } else { Vec::new() };
         Some(ContactPoints { nearest, additional: beside })
     }
 

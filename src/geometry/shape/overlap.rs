@@ -49,7 +49,7 @@ pub(crate) fn find_overlaps(mesh: &TriMesh) -> Overlaps {
                 }
                 let other = &winding.bvh.facets[j as usize];
                 let triangles = [one.triangle, other.triangle];
-                let Some(place) = meeting(mesh, triangles) else { return };
+                let Some(place) = intersection_centroid(mesh, triangles) else { return };
                 if has_invalid_winding(&winding, place, [one.n, other.n], deep) {
                     worst = Some(Overlap { triangles, position: place });
                 } else if has_invalid_winding(&winding, place, [one.n, other.n], shallow) {
@@ -100,14 +100,14 @@ fn has_invalid_winding(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64
 
 /// Returns the mean of the common points of two triangles, except a common corner; None if there are none, or if they
 /// share an edge.
-fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
+fn intersection_centroid(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
     let [s, t] = pair.map(|t| mesh.triangles[t as usize]);
     let shared: Vec<u32> = s.into_iter().filter(|v| t.contains(v)).collect();
     let [p, q] = pair.map(|t| mesh.corners(t as usize));
     let size = Aabb::from_points(p.into_iter().chain(q)).size().max_element();
     let rounding = 1e-12 * size;
-    let mut points = common(p, q, rounding);
-    points.extend(common(q, p, rounding));
+    let mut points = intersection_points(p, q, rounding);
+    points.extend(intersection_points(q, p, rounding));
     match shared[..] {
         [] => {}
         [corner] => {
@@ -121,7 +121,7 @@ fn meeting(mesh: &TriMesh, pair: [u32; 2]) -> Option<DVec3> {
 
 /// Returns the points where the sides of triangle `p` cross triangle `q`; for a side in the plane of `q`, the ends of
 /// its part inside `q`.
-fn common(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
+fn intersection_points(p: [DVec3; 3], q: [DVec3; 3], rounding: f64) -> Vec<DVec3> {
     let Some(facet) = Facet::new(q, 0) else { return Vec::new() };
     let height = p.map(|x| {
         let h = facet.n.dot(x - facet.origin);

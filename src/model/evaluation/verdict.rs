@@ -197,7 +197,7 @@ impl Verdict {
 
     /// Returns the worse of two verdicts, or `self` if they are equal: a violated one, otherwise the one with the
     /// smaller margin.
-    pub fn worse(self, other: Self) -> Self {
+    pub fn worse_of(self, other: Self) -> Self {
         let order = self.held.cmp(&other.held).then(self.margin().total_cmp(&other.margin()));
         if order.is_gt() { other } else { self }
     }
@@ -205,7 +205,7 @@ impl Verdict {
 
 /// Evaluates an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
 pub fn evaluate_all(expectation: &Expectation, grasps: &[GraspMeasurements]) -> Verdict {
-    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse);
+    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse_of);
     worst.unwrap_or_else(|| Verdict { held: false, ..evaluate(expectation, &GraspMeasurements::default()) })
 }
 

@@ -149,12 +149,12 @@ fn attempt(
     let rotation = DMat3::from_cols(closing, approach.cross(closing), approach);
     let rotation = DQuat::from_mat3(&rotation).normalize();
     let pose = Pose { position: 0.5 * (first + last) - rotation * hand.center, rotation };
-    clear(object, hand, &pose, stroke)?;
+    check_reachable(object, hand, &pose, stroke)?;
     Ok(pose)
 }
 
 /// Checks that the hand reaches the pose and closes without collision.
-fn clear(object: &Shape, hand: &Hand, pose: &Pose, stroke: f64) -> std::result::Result<(), Rejection> {
+fn check_reachable(object: &Shape, hand: &Hand, pose: &Pose, stroke: f64) -> std::result::Result<(), Rejection> {
     let blocked = |part| match part {
         HandPart::Palm => Rejection::Palm,
         HandPart::Finger => Rejection::Finger,

@@ -94,7 +94,7 @@ pub fn with_contact_surface(
 fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
     let size = scale * Aabb::from_points(mesh.vertices.iter().copied()).size().max_element();
     if size > MAX_LENGTH {
-        if let Some((v, away)) = stray(mesh) {
+        if let Some((v, away)) = stray_vertex(mesh) {
             return Err(Error::Mesh(format!(
                 "the object is {} m wide because its vertex {v} (0-based) at {} lies {} m from the middle of the others: remove it, or \
                  the facets that use it",
@@ -122,7 +122,7 @@ fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
 
 /// Returns the vertex farthest from the median position of all vertices, and its distance, m, if it exceeds the median
 /// distance by the factor [`STRAY_RATIO`].
-fn stray(mesh: &TriMesh) -> Option<(usize, f64)> {
+fn stray_vertex(mesh: &TriMesh) -> Option<(usize, f64)> {
     let middle = DVec3::from_array([0, 1, 2].map(|axis| median(mesh.vertices.iter().map(|p| p[axis]))));
     let away = |p: &DVec3| p.distance(middle);
     let most = median(mesh.vertices.iter().map(away));

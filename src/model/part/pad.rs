@@ -116,7 +116,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
         (_, None) => return Err(Error::Mesh("the pad is neither generated nor from a file".into())),
     };
     let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
-    if quality.worst < POOR {
+    if quality.worst < LOW_QUALITY {
         notices.push(format!(
             "the pad's tetrahedron {} (0-based) has poor quality: mean ratio {:.3} at {:.6}",
             quality.worst_index, quality.worst, quality.worst_centroid
@@ -126,7 +126,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
 }
 
 /// Mean ratio below which a notice about the worst element is given.
-const POOR: f64 = 0.1;
+const LOW_QUALITY: f64 = 0.1;
 
 fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();

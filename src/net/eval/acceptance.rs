@@ -34,7 +34,7 @@ pub fn acceptances(judged: &[Judged]) -> Vec<Acceptance> {
         let kept: Vec<&Judged> =
             judged.iter().zip(&widest).filter(|(_, end)| **end <= error_at_most).map(|(j, _)| j).collect();
         let frames = kept.iter().flat_map(|j| &j.frames).filter(|frame| frame.load >= FROM_LOAD - 1e-9);
-        let spread = Quantiles::of(frames.map(|frame| frame.displacement));
+        let spread = Quantiles::from_values(frames.map(|frame| frame.displacement));
         Acceptance {
             error_at_most,
             kept: kept.len() as f64 / judged.len().max(1) as f64,

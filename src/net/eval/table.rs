@@ -71,7 +71,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
     }
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick, end): &Quantity| {
-            let Quantiles { median, p90, worst } = Quantiles::of(frames.iter().map(|f| pick(f)))?;
+            let Quantiles { median, p90, worst } = Quantiles::from_values(frames.iter().map(|f| pick(f)))?;
             let ends = frames.iter().filter(|f| f.bound.is_known()).filter_map(|f| Some((pick(f), end(&f.bound)?)));
             let ends: Vec<(f64, f64)> = ends.collect();
             Some(ErrorRow {
@@ -84,7 +84,7 @@ pub fn rows(split: &str, judged: &[Judged]) -> Vec<ErrorRow> {
                 samples: frames.len(),
                 covered: (!ends.is_empty())
                     .then(|| ends.iter().filter(|(error, end)| error <= end).count() as f64 / ends.len() as f64),
-                interval: Quantiles::of(ends.iter().map(|(_, end)| *end)).map(|spread| spread.median),
+                interval: Quantiles::from_values(ends.iter().map(|(_, end)| *end)).map(|spread| spread.median),
             })
         };
         QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()

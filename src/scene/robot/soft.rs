@@ -51,7 +51,7 @@ pub(super) fn place(
     let mesh = &tag.mesh;
     let in_link = |x: DVec3| tag.pose.transform_point3(x * tag.scale);
     let (raw, _) = read_tet_mesh_raw(mesh).map_err(|e| without_prefix(&e))?;
-    let (carrier, to_carrier) = carrier(tree, elements, pad)?;
+    let (carrier, to_carrier) = link_with_collision_shape(tree, elements, pad)?;
     let core = SurfaceDistance::new(&surface(path, elements[carrier])?);
     let near = |x: &DVec3| {
         core.distance(to_carrier.transform_point3(in_link(*x))) <= tag.attach + ROUNDING_TOLERANCE * core.size()
@@ -77,7 +77,11 @@ pub(super) fn place(
 
 /// Returns the first link from `pad` upwards, along fixed joints, that has a collision shape, and the transform from
 /// the axes of `pad` to its axes.
-fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usize, DAffine3), String> {
+fn link_with_collision_shape(
+    tree: &LinkTree,
+    elements: &[&XmlElement],
+    pad: usize,
+) -> Result<(usize, DAffine3), String> {
     let (mut at, mut pose) = (pad, DAffine3::IDENTITY);
     for _ in 0..=tree.links.len() {
         if elements[at].child("collision").is_some() {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 /// Reads the links of a `<robot>`; returns the tree and the XML elements of the links.
 pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), String> {
-    expanded(robot)?;
+    check_expanded(robot)?;
     let mut tree = LinkTree::default();
     let elements: Vec<&XmlElement> = robot.children_with_tag("link").collect();
     let links = by_name(&elements)?;
@@ -33,18 +33,18 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
         link.parent = Some(parent);
         link.pose = origin(joint)?;
         link.mobility = mobility(joint, number)?;
-        let mimic = joint.child("mimic").map(|mimic| follows(mimic, &numbers)).transpose()?;
+        let mimic = joint.child("mimic").map(|mimic| read_mimic(mimic, &numbers)).transpose()?;
         tree.joints.push(Joint { name: joint.required_text("name")?.to_string(), range: range(joint), mimic });
     }
     Ok((tree, elements))
 }
 
 /// Rejects unexpanded xacro macros.
-fn expanded(element: &XmlElement) -> Result<(), String> {
+fn check_expanded(element: &XmlElement) -> Result<(), String> {
     if element.tag.starts_with("xacro:") {
         return Err(element.error("is a macro; expand the file first: xacro FILE > robot.urdf"));
     }
-    element.children.iter().try_for_each(expanded)
+    element.children.iter().try_for_each(check_expanded)
 }
 
 /// Returns the indices of elements by name; fails if a name is not unique.
@@ -81,7 +81,7 @@ fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
     }
 }
 
-fn follows(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
+fn read_mimic(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
     let name = mimic.required_text("joint")?;
     let missing = || mimic.error(format_args!("refers to the joint {name:?}, which does not exist"));
     let leader = *numbers.get(name).ok_or_else(missing)?;

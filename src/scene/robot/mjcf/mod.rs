@@ -120,7 +120,7 @@ impl Model {
 
     /// Returns the lower and the upper limit of a joint relative to its reference position `ref`.
     fn range(&self, joint: &XmlElement, kind: &str) -> Result<[f64; 2], String> {
-        const WRITE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
+        const RANGE_ADVICE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
         let limited = match joint.text("limited") {
             Some("true") => true,
             Some("false") => false,
@@ -130,11 +130,11 @@ impl Model {
         let [a, b] = match range {
             Some(range) if limited => range,
             Some(_) => return Err(joint.error("has a range, but is not limited; write limited=\"true\"")),
-            None => return Err(joint.error(format_args!("has no range; {WRITE}"))),
+            None => return Err(joint.error(format_args!("has no range; {RANGE_ADVICE}"))),
         };
         if a >= b {
             let order = if a > b { "decreasing" } else { "empty" };
-            return Err(joint.error(format_args!("has a range from {a} to {b}, which is {order}; {WRITE}")));
+            return Err(joint.error(format_args!("has a range from {a} to {b}, which is {order}; {RANGE_ADVICE}")));
         }
         let drawn = joint.number("ref")?.unwrap_or(0.0);
         let scale = if kind == "hinge" && self.compiler.degrees { 1f64.to_radians() } else { 1.0 };
