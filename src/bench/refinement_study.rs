@@ -6,8 +6,8 @@
 //! The true error is unknown, but two distances bracket it. The change by the last refinement includes the larger error
 //! of the coarser mesh and overestimates it. A mesh of another kind shares part of the error with the reference, so its
 //! distance underestimates it. Their geometric mean is the estimate (docs/verification.md compares it with meshes twice
-//! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order, the
-//! two distances or the path error are inconsistent.
+//! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order,
+//! the two distances or the path error are inconsistent.
 
 use super::density::{alternative_mesh, coarser};
 use super::quantity::{QUANTITIES, QuantityName};

@@ -34,8 +34,8 @@ pub(super) fn implausible(scene: &Scene, model: &Model, pose: &Pose, expected: &
     all
 }
 
-/// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than [`MAX_INDENTATION_RATIO`]
-/// thicknesses.
+/// Returns a sentence if the largest force indents pad `side`, as a bed of springs, by more than
+/// [`MAX_INDENTATION_RATIO`] thicknesses.
 fn excessive_indentation(scene: &Scene, model: &Model, side: usize, pose: &Pose) -> Option<String> {
     let force = match &scene.loading {
         Loading::Squeeze(squeeze) => squeeze.force.get(),

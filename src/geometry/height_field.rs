@@ -56,7 +56,8 @@ impl PlaneGrid {
     }
 
     /// Computes the height (rows, columns) of a face of 6-node `triangles`: three corners, then the midpoints of (0,1),
-    /// (1,2) and (2,0). A point outside the face has the height at the point that [`FaceLookup::locate`] returns for it.
+    /// (1,2) and (2,0). A point outside the face has the height at the point that [`FaceLookup::locate`] returns for
+    /// it.
     pub fn heights(&self, triangles: &[[DVec3; 6]]) -> Vec<f64> {
         let [rows, cols] = self.cells;
         let mut heights = vec![None; rows * cols];

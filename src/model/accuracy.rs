@@ -1,12 +1,13 @@
 //! Choice of the pad mesh from `accuracy`, an alternative to a spacing.
 //!
 //! Most of the discretisation error of the displacement arises at the edge of the contact and decreases with the square
-//! of the cell width there. Relative to the displacement of the whole pad, it is about `ERROR_COEFFICIENT h^2 / (l t)` with the
-//! cell width `h`, the pad thickness `t` and the size `l` of the contact patch: twice its area over its perimeter,
-//! which is the radius of a circular patch. The deformation due to an edge decays over about a thickness, so that `l`
-//! is limited to `MAX_PATCH_RATIO` thicknesses. The patch is that of a Winkler foundation (Winkler 1867) with the stiffness of
-//! the pad, pressed onto the object's profile by the final force, or to the final depth. The number of layers follows
-//! from the spacing: its influence is small. docs/verification.md compares the formula with mesh refinement sequences.
+//! of the cell width there. Relative to the displacement of the whole pad, it is about `ERROR_COEFFICIENT h^2 / (l t)`
+//! with the cell width `h`, the pad thickness `t` and the size `l` of the contact patch: twice its area over its
+//! perimeter, which is the radius of a circular patch. The deformation due to an edge decays over about a thickness, so
+//! that `l` is limited to `MAX_PATCH_RATIO` thicknesses. The patch is that of a Winkler foundation (Winkler 1867) with
+//! the stiffness of the pad, pressed onto the object's profile by the final force, or to the final depth. The number of
+//! layers follows from the spacing: its influence is small. docs/verification.md compares the formula with mesh
+//! refinement sequences.
 
 use crate::grasp::{grasp_poses, resolve_object};
 use crate::gripper::Hand;

@@ -41,10 +41,10 @@ pub struct Needs {
 impl Needs {
     /// Returns the requirements of `scene`.
     pub fn from_scene(scene: &Scene) -> Self {
-        let promises = scene.expectations();
+        let expectations = scene.expectations();
         let recorded = |field: Field| scene.record.fields.contains(&field);
         let mut needs = Self {
-            stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
+            stress: recorded(Field::Stress) || expectations.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
             friction: [0, 1].iter().any(|side| scene.gripper.with_equal_fingers(*side).friction.get() > 0.0),
@@ -54,7 +54,7 @@ impl Needs {
             shape: true,
             contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
-            audit: promises.iter().any(Expectation::needs_audit),
+            audit: expectations.iter().any(Expectation::needs_audit),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
             task: false,

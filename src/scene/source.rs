@@ -34,8 +34,8 @@ fn open(path: &Path, may_stream: bool) -> Result<Box<dyn Read>> {
     Ok(Box::new(File::open(path).map_err(unopened)?))
 }
 
-/// Reads a text of at most [`MAX_TOTAL_SIZE`] bytes from a regular file or, if it `may_stream`, from an open stream; every
-/// error message names the file.
+/// Reads a text of at most [`MAX_TOTAL_SIZE`] bytes from a regular file or, if it `may_stream`, from an open stream;
+/// every error message names the file.
 pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
     let file = open(path, may_stream)?;
     let mut bytes = Vec::new();

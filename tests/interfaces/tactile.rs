@@ -27,8 +27,8 @@ fn area([rows, cols]: [usize; 2]) -> f64 {
 }
 
 /// Forces of the taxels, for every backend, and pressure and shear, which are contact force per area, for any size of
-/// the taxels: their sums and integrals equal the force of the wrench (1 N) to 1e-5 N. Taxels carry the applied force to
-/// 1e-3 of it.
+/// the taxels: their sums and integrals equal the force of the wrench (1 N) to 1e-5 N. Taxels carry the applied force
+/// to 1e-3 of it.
 #[test]
 fn images_of_the_contact_force_sum_to_the_wrench() {
     let images = |[rows, cols]: [usize; 2]| {

@@ -18,8 +18,8 @@ pub struct FittedParameter {
     pub parameter: Parameter,
     /// Fitted value, in the SI unit of the parameter.
     pub value: f64,
-    /// Half the width of the 95 % confidence interval (Student's t, linearised), in the SI unit of the parameter. None if
-    /// [`Fit::freedom`] is zero, the value is at an end of its range, or the data do not determine the parameter.
+    /// Half the width of the 95 % confidence interval (Student's t, linearised), in the SI unit of the parameter. None
+    /// if [`Fit::freedom`] is zero, the value is at an end of its range, or the data do not determine the parameter.
     pub interval: Option<f64>,
     /// True if the value is at an end of its range.
     pub at_edge: bool,

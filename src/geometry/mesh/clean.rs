@@ -21,9 +21,9 @@ pub struct Repair {
 /// each.
 ///
 /// # Errors
-/// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below [`MIN_QUALITY`]), a
-/// face shared by three or more tetrahedra and an empty mesh. The error states the tetrahedron (0-based), its position
-/// and its size.
+/// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below
+/// [`MIN_QUALITY`]), a face shared by three or more tetrahedra and an empty mesh. The error states the tetrahedron
+/// (0-based), its position and its size.
 pub fn repair(mesh: &mut TetMesh) -> Result<Vec<String>> {
     repair_mapped(mesh).map(|r| r.notices)
 }

@@ -95,7 +95,7 @@ impl Facet {
     }
 
     /// Converts a part to the corner and edge indices of the mesh triangle.
-    pub fn to_mesh_part(&self, part: TrianglePart) -> TrianglePart {
+    pub fn mesh_part(&self, part: TrianglePart) -> TrianglePart {
         let turned = |i: usize| (i + self.turn as usize) % 3;
         match part {
             TrianglePart::Face => TrianglePart::Face,

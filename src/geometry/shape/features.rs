@@ -55,21 +55,21 @@ impl ConvexEdge {
     }
 
     /// Divides the edge into sections, each at most `length` m long.
-    fn stretches(&self, length: f64) -> impl Iterator<Item = EdgeSection> {
-        let (ridge, count) = (*self, division_count(self.length(), length));
+    fn sections(&self, length: f64) -> impl Iterator<Item = EdgeSection> {
+        let (edge, count) = (*self, division_count(self.length(), length));
         let at = move |i: u32| f64::from(i) / f64::from(count);
-        (0..count).map(move |i| EdgeSection { edge: ridge, from: at(i), to: at(i + 1) })
+        (0..count).map(move |i| EdgeSection { edge, from: at(i), to: at(i + 1) })
     }
 }
 
-/// Section of a ridge on which the point of closest approach to a pad may lie.
+/// Section of an edge on which the point of closest approach to a pad may lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeSection {
-    /// Complete ridge.
+    /// Complete edge.
     pub edge: ConvexEdge,
-    /// Parameter of the ridge at the start of the section, in 0..1.
+    /// Parameter of the edge at the start of the section, in 0..1.
     pub from: f64,
-    /// Parameter of the ridge at the end of the section, in 0..=1.
+    /// Parameter of the edge at the end of the section, in 0..=1.
     pub to: f64,
 }
 
@@ -148,8 +148,8 @@ impl RoundedEdge {
 impl SurfaceFeatures {
     /// Returns the vertices, then points on the sharp edges between their ends such that neighbours are at most
     /// `spacing` m apart (none if it is not positive; at most 10,000 per edge). Points of the same spacing follow on
-    /// rounded edges with a radius below `RESOLVED_RADIUS * spacing`; points on the tight parts of a solid of revolution and all
-    /// over a thin rod are spaced according to the contact `offset` (m). No point occurs twice.
+    /// rounded edges with a radius below `RESOLVED_RADIUS * spacing`; points on the tight parts of a solid of
+    /// revolution and all over a thin rod are spaced according to the contact `offset` (m). No point occurs twice.
     pub fn sample(&self, spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let mut points = self.vertices.clone();
         points.extend(self.sharp_edges.iter().flat_map(|e| e.sample(spacing)));
@@ -164,7 +164,7 @@ impl SurfaceFeatures {
     /// more than a fraction of the contact `offset` (m): an edge of the pad may cross them between its vertices.
     pub fn sections(&self, length: f64, offset: f64) -> impl Iterator<Item = EdgeSection> {
         let blunt = self.relevant_blunt_edges(length, offset);
-        self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.stretches(length))
+        self.sharp_edges.iter().chain(blunt).flat_map(move |e| e.sections(length))
     }
 
     /// Returns the blunt edges to be tested if `length` (m) of them may lie between the samples of a pad: those where
@@ -197,12 +197,12 @@ impl SurfaceFeatures {
             // to right.
             let angle = l.cross(r).length().atan2(l.dot(r));
             let convex = l.cross(r).dot(b - a) > 0.0;
-            let ridge = ConvexEdge { a, b, normal, angle, round: false };
+            let feature = ConvexEdge { a, b, normal, angle, round: false };
             if convex && angle > SHARP_ANGLE {
                 edge.ends.iter().for_each(|&v| sharp[v as usize] = true);
-                sharp_edges.push(ridge);
+                sharp_edges.push(feature);
             } else if convex && angle > COPLANAR_ANGLE {
-                blunt_edges.push(ridge);
+                blunt_edges.push(feature);
             }
         }
         mark_tips(mesh, topology, &mut sharp);
@@ -250,8 +250,8 @@ impl SurfaceFeatures {
         scaled.vertices.iter_mut().for_each(|v| v.position *= factor);
         scaled.rings = scaled.rings.iter().map(|r| r.scaled(factor)).collect();
         scaled.rod = scaled.rod.map(|rod| rod.scaled(factor));
-        let ridges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
-        ridges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
+        let edges = scaled.sharp_edges.iter_mut().chain(&mut scaled.blunt_edges);
+        edges.for_each(|e| (e.a, e.b) = (factor * e.a, factor * e.b));
         scaled
             .rounded_edges
             .iter_mut()

@@ -130,11 +130,11 @@ impl MeshDistance {
             match other.nearest_within(q, felt * felt) {
                 (squared, _) if squared >= felt * felt => TrianglePosition::Beyond,
                 (_, TrianglePart::Face) if other.n.dot(q - other.origin) < 0.0 => TrianglePosition::Behind,
-                (_, part) => TrianglePosition::At(other.to_mesh_part(part)),
+                (_, part) => TrianglePosition::At(other.mesh_part(part)),
             }
         };
         let along = |t, i| self.closest_on_edge(q, t, i).1;
-        let others = self.rings.additional_parts(f.triangle, f.to_mesh_part(nearest), view, along).into_iter();
+        let others = self.rings.additional_parts(f.triangle, f.mesh_part(nearest), view, along).into_iter();
         others.filter_map(|(place, weight)| Some((self.surface_point(q, place)?, weight))).collect()
     }
 

@@ -86,8 +86,8 @@ impl Overlaps {
     }
 }
 
-/// Returns true if the winding number is neither 0 nor 1 at the distance `distance_bound` (m) from the point `place`, where two
-/// facets with the normals `n` intersect, in one of the four wedges between them.
+/// Returns true if the winding number is neither 0 nor 1 at the distance `distance_bound` (m) from the point `place`,
+/// where two facets with the normals `n` intersect, in one of the four wedges between them.
 fn has_invalid_winding(winding: &Winding, place: DVec3, n: [DVec3; 2], away: f64) -> bool {
     let wedges = [-n[0] - n[1], n[0] + n[1], n[0] - n[1], n[1] - n[0]];
     wedges.into_iter().filter(|d| d.length() > 1e-3).any(|d| {

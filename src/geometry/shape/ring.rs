@@ -38,8 +38,8 @@ impl Ring {
     }
 
     /// Returns points on those of `rings`, in the order of a profile, that are tight for a pad whose points are twice
-    /// `spacing` (m) apart: with a radius below [`TIGHT_RADIUS`] times `spacing`, or a corner that such a pad would cut by
-    /// more than `CORNER_CUT` contact offsets. Contact has this `offset` (m).
+    /// `spacing` (m) apart: with a radius below [`TIGHT_RADIUS`] times `spacing`, or a corner that such a pad would cut
+    /// by more than `CORNER_CUT` contact offsets. Contact has this `offset` (m).
     pub(crate) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let (mut points, mut last) = (Vec::new(), None::<DVec2>);
         let is_tight =

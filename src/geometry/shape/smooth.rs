@@ -67,11 +67,11 @@ impl Shape {
         // The points of a pad do not resolve the rounding of sharp edges: rows of samples along the edges cover it.
         let fine = 0.5 * spacing;
         let rows = (radius / fine).ceil() as i32;
-        let beside = |ridge: &ConvexEdge| {
-            let across = (ridge.b - ridge.a).cross(ridge.normal).normalize_or_zero() * fine;
-            let (ridge, along) = (*ridge, division_count(ridge.length(), fine));
+        let beside = |edge: &ConvexEdge| {
+            let across = (edge.b - edge.a).cross(edge.normal).normalize_or_zero() * fine;
+            let (edge, along) = (*edge, division_count(edge.length(), fine));
             (0..=along).flat_map(move |i| {
-                let on_edge = ridge.point(f64::from(i) / f64::from(along));
+                let on_edge = edge.point(f64::from(i) / f64::from(along));
                 (-rows..=rows)
                     .map(move |k| FeaturePoint { position: on_edge.position + across * f64::from(k), ..on_edge })
             })

@@ -3,7 +3,7 @@
 //!
 //! An edge of the object folds the pad and reaches equilibrium in the fold, where it touches both incident faces. The
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
-//! none (see [`TriangleAdjacency::additional_parts`](geometry::mesh::rings::TriangleAdjacency::beside)).
+//! none (see [`TriangleAdjacency::additional_parts`](geometry::mesh::adjacency::TriangleAdjacency::additional_parts)).
 
 use super::closest_point::{ClosestPoint, carried_on, on_edge, on_face};
 use super::project::FaceBounds;

@@ -121,9 +121,9 @@ fn palm() -> Aabb {
     Aabb { min: DVec3::new(-PALM.x, -PALM.y, 0.0), max: PALM }
 }
 
-/// Returns true if a box of the hand collides with the object, to within [`COLLISION_TOLERANCE`]. The distance function is
-/// 1-Lipschitz: there is no collision if the distance at the centre exceeds the half diagonal, and a collision if the
-/// centre is inside; otherwise the box is bisected.
+/// Returns true if a box of the hand collides with the object, to within [`COLLISION_TOLERANCE`]. The distance function
+/// is 1-Lipschitz: there is no collision if the distance at the centre exceeds the half diagonal, and a collision if
+/// the centre is inside; otherwise the box is bisected.
 fn overlaps(object: &dyn SignedDistance, pose: &Pose, hand: Aabb) -> bool {
     let (center, half) = (hand.center(), 0.5 * hand.size());
     let distance = object.distance(pose.transform(center));

@@ -1,6 +1,7 @@
 //! Observations of an agent, one file each; runs and data sets record those of tactile sensors.
 //!
-//! A new observation needs a variant in [`Observe`], a file with a [`SensorModel`], and a line each in `name` and `sensor_model`.
+//! A new observation needs a variant in [`Observe`], a file with a [`SensorModel`], and a line each in `name` and
+//! `sensor_model`.
 
 mod center_of_pressure;
 mod contact_area;

@@ -20,8 +20,8 @@ pub(super) struct Deviation {
 }
 
 impl Deviation {
-    /// Returns a unit vector with components below [`ANGLE_TOLERANCE`] set to zero: a vector within that angle of an axis is
-    /// snapped to it.
+    /// Returns a unit vector with components below [`ANGLE_TOLERANCE`] set to zero: a vector within that angle of an
+    /// axis is snapped to it.
     pub fn snap_vector(&mut self, v: DVec3) -> DVec3 {
         let squared =
             DVec3::from_array(v.to_array().map(|c| if c.abs() < ANGLE_TOLERANCE { 0.0 } else { c })).normalize();
@@ -29,8 +29,8 @@ impl Deviation {
         squared
     }
 
-    /// Returns the rotation snapped to right angles if each of its axes is within [`ANGLE_TOLERANCE`] of a coordinate axis,
-    /// otherwise unchanged.
+    /// Returns the rotation snapped to right angles if each of its axes is within [`ANGLE_TOLERANCE`] of a coordinate
+    /// axis, otherwise unchanged.
     pub fn snap_rotation(&mut self, rotation: DMat3) -> DMat3 {
         let mut own = Self::default();
         let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| own.snap_vector(axis));

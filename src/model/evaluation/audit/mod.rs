@@ -87,10 +87,10 @@ pub struct Auditor {
 }
 
 impl Auditor {
-    /// Creates the auditor for the expectations `promises` about the scene's object with the geometry `shape`, and its
+    /// Creates the auditor for the expectations `expectations` about the scene's object with the geometry `shape`, and its
     /// fingers; `offset` is the contact offset, m.
     pub fn new(
-        promises: &[Expectation],
+        expectations: &[Expectation],
         object: &scene::Object,
         shape: &Shape,
         fingers: &[FingerModel],
@@ -100,7 +100,7 @@ impl Auditor {
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
         let (solid, object) =
             (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.has_display_mesh(), spacing));
-        let asked = |of: fn(&Expectation) -> bool| promises.iter().any(of);
+        let asked = |of: fn(&Expectation) -> bool| expectations.iter().any(of);
         let asked = RequestedChecks {
             inversion: asked(|e| matches!(e, Expectation::NoInversion)),
             penetration: asked(|e| matches!(e, Expectation::NoPenetration | Expectation::Penetration(_))),

@@ -80,8 +80,8 @@ impl MeshBuilder {
         *self.skipped.entry(kind).or_default() += 1;
     }
 
-    /// Stores the corners of a tetrahedron of [`tetrahedron_nodes`]; its mid-edge nodes are only checked. `volume` is the tag
-    /// of its volume, in version 2 that of its group.
+    /// Stores the corners of a tetrahedron of [`tetrahedron_nodes`]; its mid-edge nodes are only checked. `volume` is
+    /// the tag of its volume, in version 2 that of its group.
     ///
     /// # Errors
     /// Fails if there are too many tetrahedra, a tag is unknown or a mid-edge node is far from the midpoint of its
