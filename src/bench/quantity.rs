@@ -7,10 +7,10 @@ use std::borrow::Cow;
 pub type QuantityName = Cow<'static, str>;
 
 /// Name of a quantity, and the function that reads it.
-pub(crate) type Quantity = (&'static str, fn(&FrameDistance) -> f64);
+pub(crate) type ComparedQuantity = (&'static str, fn(&FrameDistance) -> f64);
 
 /// Quantities that are compared; a name without unit is relative.
-pub const QUANTITIES: [Quantity; 6] = [
+pub const QUANTITIES: [ComparedQuantity; 6] = [
     ("displacement", |e| e.displacement),
     ("stress", |e| e.stress),
     ("force", |e| e.force),

@@ -2,7 +2,7 @@
 
 use super::entry::BenchEntry;
 use super::pareto_front::{Competitor, time_at};
-use super::quantity::Quantity;
+use super::quantity::ComparedQuantity;
 pub use super::quantity::{QUANTITIES, QuantityName};
 use super::refinement_study::RefinementStudy;
 use super::settings::ComparisonSettings;
@@ -172,7 +172,7 @@ pub fn mark_dominated(points: &mut [Point]) {
 
 impl Point {
     fn new(entry: &BenchEntry) -> Self {
-        let spread = |(name, pick): &Quantity| {
+        let spread = |(name, pick): &ComparedQuantity| {
             Quantiles::from_values(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
         };
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();

@@ -10,7 +10,7 @@ pub struct Chart {
     /// Abscissa of all quantities.
     pub over: Abscissa,
     /// Selectable quantities.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<ChartQuantity>,
 }
 
 /// Abscissa of a chart.
@@ -30,7 +30,7 @@ pub enum Abscissa {
 
 /// Quantity with its series; for category names these are median, 90th percentile and worst value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Quantity {
+pub struct ChartQuantity {
     /// Name of the quantity.
     pub name: String,
     /// Unit of the quantity.

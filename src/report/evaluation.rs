@@ -1,6 +1,6 @@
 //! Section of a data set, and of a network evaluated on it.
 
-use super::chart::{Abscissa, Chart, Quantity, Series};
+use super::chart::{Abscissa, Chart, ChartQuantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::recording::{Errors, RecordedState, Recording, dataset_recording};
 use super::run::name;
@@ -220,13 +220,13 @@ fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
 }
 
 /// Returns the relative errors of `groups` in percent, for a chart.
-fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
+fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<ChartQuantity> {
     let of = |(quantity, name): &(&str, &str)| {
         let pick = |value: fn(&ErrorRow) -> f64| {
             let of = |group: &String| table.iter().find(|r| r.group == *group && r.quantity == *quantity);
             groups.iter().map(|g| of(g).map_or(f64::NAN, |r| 100.0 * value(r))).collect()
         };
-        Quantity {
+        ChartQuantity {
             name: name.to_string(),
             unit: "%".into(),
             series: vec![

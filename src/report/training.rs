@@ -1,6 +1,6 @@
 //! Section of a training: loss curves so far, and the model once finished.
 
-use super::chart::{Abscissa, Chart, Quantity, Series};
+use super::chart::{Abscissa, Chart, ChartQuantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use base::error::Result;
@@ -38,7 +38,7 @@ pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
 
 fn losses(epochs: &[Epoch]) -> Chart {
     let of = |pick: fn(&Epoch) -> f64| epochs.iter().map(pick).collect::<Vec<_>>();
-    let quantity = |name: &str, series| Quantity { name: name.into(), unit: "1".into(), series };
+    let quantity = |name: &str, series| ChartQuantity { name: name.into(), unit: "1".into(), series };
     let loss = vec![Series::new("training", of(|e| e.training)), Series::new("validation", of(|e| e.validation))];
     let rate = vec![Series::new("learning rate", of(|e| e.rate))];
     Chart {
