@@ -25,7 +25,7 @@ type Layer<'a> = &'a dyn Fn(&[Traced]) -> Traced;
 /// Returns a random matrix.
 fn random(rows: usize, cols: usize, seed: u64) -> Matrix {
     let mut random = Random::new(seed);
-    matrix(rows, cols, (0..rows * cols).map(|_| (2.0 * random.unit() - 1.0) as f32).collect())
+    matrix(rows, cols, (0..rows * cols).map(|_| (2.0 * random.uniform() - 1.0) as f32).collect())
 }
 
 /// Returns the shortest of nine times, ms.

@@ -7,8 +7,8 @@ use std::path::Path;
 use tactus::base::random::Random;
 use tactus::dataset::ObjectFile;
 use tactus::dataset::arrays::FileSizes;
-use tactus::dataset::compatible::World;
-use tactus::dataset::file::{Writer, lay_out};
+use tactus::dataset::compatible::LoaderFrame;
+use tactus::dataset::file::{Writer, create};
 use tactus::dataset::rows::Encoder;
 use tactus::geometry::Pose;
 use tactus::model::Model;
@@ -20,7 +20,7 @@ const GRASPS: usize = 16;
 fn made_up(model: &Model, index: usize, random: &mut Random) -> Frame {
     let pad = |f: &tactus::model::part::FingerModel| {
         let (nodes, tets) = (f.body.rest.len(), f.body.element_count());
-        let mut vectors = || (0..nodes).map(|_| glam::DVec3::splat(random.unit())).collect::<Vec<_>>();
+        let mut vectors = || (0..nodes).map(|_| glam::DVec3::splat(random.uniform())).collect::<Vec<_>>();
         let (position, displacement, contact_force) = (vectors(), vectors(), vectors());
         let numbers = |n| vec![1e5; n];
         PadFrame {
@@ -42,9 +42,9 @@ fn file(dir: &Path) -> tactus::base::error::Result<ObjectFile> {
     let named = &set.scenes[0];
     let model = Model::build(&named.scene)?;
     let sizes = FileSizes::of(&model, GRASPS)?;
-    let encoder = Encoder::new(&model, sizes.clone(), World::new(&named.scene.gripper.placement));
+    let encoder = Encoder::new(&model, sizes.clone(), LoaderFrame::new(&named.scene.gripper.placement));
     let path = dir.join("sphere.h5");
-    lay_out(&path, named, &model, &sizes, encoder.mirrored)?;
+    create(&path, named, &model, &sizes, encoder.mirrored)?;
     let writer = Writer::open(&path, &sizes)?;
     let mut random = Random::new(1);
     let pose = Pose { position: glam::DVec3::ZERO, rotation: glam::DQuat::IDENTITY };
@@ -67,14 +67,14 @@ fn reading(c: &mut Criterion) {
     let mut group = c.benchmark_group("data set");
     group.throughput(Throughput::Bytes(object.sizes.bytes() / GRASPS as u64));
     group.bench_function("a grasp at random, checksum included", |b| {
-        b.iter(|| black_box(object.grasp(random.below(GRASPS)).map(|g| g.frames)))
+        b.iter(|| black_box(object.grasp(random.uniform_below(GRASPS)).map(|g| g.frames)))
     });
     let (frames, values) = (object.sizes.frames, object.sizes.pads * object.sizes.nodes);
     let mut batch = vec![0_f32; frames * values * 4];
     group.throughput(Throughput::Elements(frames as u64));
     group.bench_function("frames of displacement and stress into a training batch", |b| {
         b.iter(|| {
-            let Ok(grasp) = object.grasp(random.below(GRASPS)) else { return };
+            let Ok(grasp) = object.grasp(random.uniform_below(GRASPS)) else { return };
             let (displacement, stress) = batch.split_at_mut(3 * frames * values);
             displacement.copy_from_slice(&grasp.displacement);
             stress.copy_from_slice(&grasp.von_mises);

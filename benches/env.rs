@@ -40,7 +40,7 @@ fn throughput(c: &mut Criterion) {
             let mut random = Random::new(1);
             group.bench_function(format!("{num_envs} environments, {name}, {policy} policy"), |b| {
                 let mut draw =
-                    || (0..num_envs).map(|_| spread * (2.0 * random.unit() as f32 - 1.0)).collect::<Vec<_>>();
+                    || (0..num_envs).map(|_| spread * (2.0 * random.uniform() as f32 - 1.0)).collect::<Vec<_>>();
                 b.iter_batched(&mut draw, |actions| env.step(&actions).is_ok(), BatchSize::SmallInput)
             });
         }

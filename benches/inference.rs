@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use tactus::base::error::{Error, Result};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::autodiff::tensor::NoneTape;
 use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
@@ -46,7 +46,7 @@ impl Case {
               loading: Squeeze(force: 15.0, frames: {frames}))"
         ))?;
         let model = Model::build(&scene)?;
-        let pose = *poses_of(&scene)?.first().ok_or_else(|| Error::Start("no grasp".into()))?;
+        let pose = *grasp_poses(&scene)?.first().ok_or_else(|| Error::Start("no grasp".into()))?;
         let sizes = Face::default();
         let graph = PadGraph::new(&model.fingers[0], Layout::Face { depths: sizes.depths.get() })?;
         let features = GraspFeatures::new(&model, &Arc::new(graph), &GeometricContact::find(&model, pose)?);

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use tactus::backend::choose;
 use tactus::base::error::Result;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::scene::{ObjectMotion, Scene, from_ron};
 use tactus::world::environment::Environment;
 
@@ -42,7 +42,7 @@ fn squeeze(c: &mut Criterion) {
     ];
     let mut group = c.benchmark_group("squeeze in 20 frames");
     for (name, scene) in scenes {
-        let prepared = scene.and_then(|s| Ok((Model::build(&s)?, choose(&s)?, poses_of(&s)?)));
+        let prepared = scene.and_then(|s| Ok((Model::build(&s)?, choose(&s)?, grasp_poses(&s)?)));
         let (model, stepper, poses) = prepared.unwrap_or_else(|e| panic!("{name}: {e}"));
         group.bench_function(name, |b| {
             b.iter(|| {

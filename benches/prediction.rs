@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::path::Path;
 use tactus::base::error::{Error, Result};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::features::GraspFeatures;
 use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::Predictor;
@@ -51,7 +51,7 @@ fn stages() -> Result<Vec<Stage>> {
     let mut scene = load(Path::new(SCENE))?.scene;
     scene.loading.set_frames(FRAMES).map_err(Error::Start)?;
     let model = Model::build(&scene)?;
-    let pose = *poses_of(&scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let pose = *grasp_poses(&scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let predictor = Predictor::open(Path::new("models/universe"))?;
     let NetworkSpec::Face(sizes) = &predictor.card.spec.network else {
         return Err(Error::Start("the model is no face network".into()));

@@ -8,7 +8,7 @@ use tactus::backend::choose;
 use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::shape::{Shape, generate};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::scene::load;
 use tactus::world::environment::Environment;
 
@@ -16,7 +16,7 @@ use tactus::world::environment::Environment;
 fn signed_distance(c: &mut Criterion) {
     let shapes = [generate::sphere(0.03, 64), generate::lemon(0.06, 0.044, 64)];
     for shape in shapes.into_iter().flatten() {
-        let meshed = Shape::from_mesh(TriMesh::clone(&shape.surface)).map(|m| m.named(&shape.name));
+        let meshed = Shape::from_mesh(TriMesh::clone(&shape.surface)).map(|m| m.with_name(&shape.name));
         for (form, shape) in [("in closed form", Ok(shape)), ("as a mesh", meshed)] {
             let Ok(shape) = shape else { continue };
             let vertices = &shape.surface.vertices;
@@ -36,7 +36,7 @@ fn press(c: &mut Criterion) {
     for name in ["linear", "quadratic_coarse"] {
         let Ok(loaded) = load(Path::new(&format!("scenes/press/{name}.ron"))) else { continue };
         let (Ok(model), Ok(stepper), Ok(poses)) =
-            (Model::build(&loaded.scene), choose(&loaded.scene), poses_of(&loaded.scene))
+            (Model::build(&loaded.scene), choose(&loaded.scene), grasp_poses(&loaded.scene))
         else {
             continue;
         };

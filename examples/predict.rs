@@ -3,7 +3,7 @@
 use std::path::Path;
 use tactus::base::error::{Error, Result};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::SHIPPED;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::linear_response::GraspLoad;
@@ -12,7 +12,7 @@ use tactus::scene::load;
 
 fn main() -> Result<()> {
     let scene = load("scenes/lemon.ron")?.scene;
-    let pose = poses_of(&scene)?.into_iter().next().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let pose = grasp_poses(&scene)?.into_iter().next().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let model = Model::build(&scene)?;
     // Refuses what lies outside the range of its training, and says why.
     let network = Predictor::open(Path::new(SHIPPED))?;

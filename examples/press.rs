@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use tactus::backend::choose;
 use tactus::base::error::Result;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::run::{Observer, run_grasps};
@@ -35,7 +35,7 @@ impl Observer for Curve {
 fn main() -> Result<()> {
     let scene = from_ron(SCENE)?;
     let (model, backend, curve) = (Model::build(&scene)?, choose(&scene)?, Curve::default());
-    let grasps: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();
+    let grasps: Vec<_> = grasp_poses(&scene)?.into_iter().enumerate().collect();
     run_grasps(&model, backend.as_ref(), &grasps, 1, &curve)?;
     for [depth, force] in curve.0.into_inner().expect("no thread panics") {
         println!("{:.2} mm: {force:.4} N", 1e3 * depth);

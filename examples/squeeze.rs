@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use tactus::backend::choose;
 use tactus::base::error::Result;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Frame;
 use tactus::scene::load;
 use tactus::world::run::{Observer, run_grasps};
@@ -25,9 +25,9 @@ impl Observer for Watch {
 fn main() -> Result<()> {
     let scene = load("scenes/quickstart.ron")?.scene;
     let (model, backend, watch) = (Model::build(&scene)?, choose(&scene)?, Watch::default());
-    let grasps: Vec<_> = poses_of(&scene)?.into_iter().enumerate().collect();
+    let grasps: Vec<_> = grasp_poses(&scene)?.into_iter().enumerate().collect();
     let outcomes = run_grasps(&model, backend.as_ref(), &grasps, 2, &watch)?;
-    println!("{}: {} Newton iterations", outcomes[0].summary.status.word(), outcomes[0].summary.newton_iterations);
+    println!("{}: {} Newton iterations", outcomes[0].summary.status.as_str(), outcomes[0].summary.newton_iterations);
     let Some(frame) = watch.0.into_inner().expect("no thread panics") else { return Ok(()) };
     for (pad, name) in frame.pads.iter().zip(["left", "right"]) {
         let stress = pad.von_mises_node.iter().copied().fold(0.0, f64::max);

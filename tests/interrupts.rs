@@ -9,7 +9,7 @@ use tactus::base::error::Error;
 use tactus::base::interrupt;
 use tactus::env::{BatchConfig, BatchEnv};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::scene::{load, load_set};
 use tactus::world::run::run_grasps;
 
@@ -117,7 +117,7 @@ fn the_flag_ends_grasps_and_environments() {
     let path = scene(dir.path(), LONG);
     let loaded = load(&path).unwrap();
     let (model, stepper) = (Model::build(&loaded.scene).unwrap(), choose(&loaded.scene).unwrap());
-    let grasps: Vec<_> = poses_of(&loaded.scene).unwrap().into_iter().enumerate().collect();
+    let grasps: Vec<_> = grasp_poses(&loaded.scene).unwrap().into_iter().enumerate().collect();
     let late = std::thread::spawn(|| {
         std::thread::sleep(Duration::from_millis(700));
         interrupt::request();

@@ -118,7 +118,7 @@ impl Batch {
     fn info(&self) -> PyResult<Vec<(bool, f64, f64, f64, f64, f64, f64)>> {
         let env = self.lock()?;
         let info = env.view().info().iter();
-        Ok(info.map(|i| (i.held, i.slip, i.slipped, i.margin, i.stress, i.force, i.load)).collect())
+        Ok(info.map(|i| (i.held, i.slip, i.accumulated_slip, i.margin, i.stress, i.force, i.load)).collect())
     }
 
     /// Returns, per environment, the reason why there is no state for this step; None if there is one.
@@ -142,7 +142,7 @@ impl Batch {
     /// Returns, per environment, true if it has been reset.
     fn begun(&self) -> PyResult<Vec<bool>> {
         let env = self.lock()?;
-        Ok((0..self.num_envs).map(|i| env.begun(i)).collect())
+        Ok((0..self.num_envs).map(|i| env.has_started(i)).collect())
     }
 
     fn save<'py>(&self, py: Python<'py>, env: usize) -> PyResult<Bound<'py, PyBytes>> {

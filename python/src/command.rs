@@ -23,7 +23,7 @@ impl Console for Kept {
         Ok(())
     }
 
-    fn say(&self, line: &str) {
+    fn print_message(&self, line: &str) {
         self.news.note(Level::Info, line);
     }
 
@@ -31,7 +31,7 @@ impl Console for Kept {
         self.news.note(Level::Warning, line);
     }
 
-    fn show(&self, bar: ProgressBar) -> ProgressBar {
+    fn attach_progress_bar(&self, bar: ProgressBar) -> ProgressBar {
         bar.set_draw_target(ProgressDrawTarget::hidden());
         *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
         bar

@@ -9,7 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 use tactus::base::error::Error;
 use tactus::geometry::Pose;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::infer::input_derivatives::{DerivativeDirection, GraspParameters, SceneInputs, weights};
 use tactus::net::infer::inputs::Array;
 use tactus::scene::{Overrides, load_object};
@@ -47,7 +47,7 @@ impl FaceInputs {
             let mut scene = load_object(scene, object.as_deref())?.scene;
             Overrides { frames, ..Overrides::default() }.apply(&mut scene)?;
             let inputs = SceneInputs::new(&scene, model.as_ref(), extrapolate)?;
-            Ok((inputs, poses_of(&scene)?))
+            Ok((inputs, grasp_poses(&scene)?))
         };
         let (inputs, poses) = supervise(py, Some(threads), build)?;
         Ok(Self { inputs: Arc::new(inputs), poses: poses.iter().map(Pose::row).collect(), threads })

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use tactus::base::error::Error;
 use tactus::base::machine::machine_threads;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::DEFAULT_MODEL;
 use tactus::net::infer::arrays::each_array;
 use tactus::net::infer::predict::Predictor;
@@ -42,10 +42,10 @@ pub fn predict<'py>(
             let scene = &loaded.scene;
             let model = model.as_deref().or(scene.stepper.model()).unwrap_or(DEFAULT_MODEL.as_ref());
             let predictor = Predictor::open(model)?;
-            let model = Model::build(&scene.on_own_mesh())?;
+            let model = Model::build(&scene.without_finer_mesh())?;
             let poses = match given {
                 Some(poses) => poses,
-                None => poses_of(scene)?,
+                None => grasp_poses(scene)?,
             };
             let extrapolate = extrapolate || scene.stepper.extrapolates();
             let answers = predictor.predict_batch(&model, &poses, extrapolate)?;
@@ -61,11 +61,11 @@ pub fn predict<'py>(
             let notices = predictor.notices(&model, extrapolate);
             Ok((model, arrays, failed.collect::<Vec<_>>(), notices))
         };
-        predict().map_err(|e| loaded.place(e))
+        predict().map_err(|e| loaded.locate_error(e))
     };
     let (model, arrays, failed, notices) = supervise(py, Some(threads.unwrap_or_else(machine_threads)), answer)?;
     let (out, tactile, reasons) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
-    let seen: Vec<String> = model.senses.iter().map(|sense| sense.spec().file_name()).collect();
+    let seen: Vec<String> = model.sensors.iter().map(|sense| sense.spec().file_name()).collect();
     for (name, shape, numbers) in arrays {
         let to = if seen.contains(&name) { &tactile } else { &out };
         to.set_item(name, numbers.to_pyarray(py).reshape(shape)?)?;

@@ -13,7 +13,7 @@ use tactus::backend::simulate::Simulation;
 use tactus::base::error::Result;
 use tactus::base::machine::machine_threads;
 use tactus::model::Model;
-use tactus::record::{ErrorBound, Frame, Moving, PadFrame, names};
+use tactus::record::{DynamicState, ErrorBound, Frame, PadFrame, names};
 use tactus::scene::{Backend, Overrides, load_object};
 use tactus::world::run::{Observer, Outcome};
 
@@ -96,7 +96,7 @@ pub fn run<'py>(
             let simulated = simulation.run(writer, sensitivity, &keep)?;
             Ok((simulation, simulated, keep))
         };
-        simulate().map_err(|e| loaded.place(e))
+        simulate().map_err(|e| loaded.locate_error(e))
     };
     let look = |py: Python<'py>| news.tell(py, progress.as_ref(), &mut told);
     let pool = threads.map_or_else(machine_threads, |n| n as usize);
@@ -166,7 +166,7 @@ fn grasp<'py>(py: Python<'py>, model: &Model, pose: &[f64; 7], frames: &[Frame])
     }
     to.set_item("tactile", tactile(py, &frames.iter().map(|f| &f.tactile[..]).collect::<Vec<_>>())?)?;
     if model.needs.dynamic {
-        let moving = |name: &str, of: &dyn Fn(&Moving) -> Vec<f64>, size: usize| {
+        let moving = |name: &str, of: &dyn Fn(&DynamicState) -> Vec<f64>, size: usize| {
             each(name, &|f| f.moving.iter().flat_map(of).collect(), &[size])
         };
         moving(names::HAND_POSE, &|m| row(m.hand_position, m.hand_rotation), 7)?;

@@ -272,7 +272,7 @@ fn predict(
         }
     }
     let Prediction { predictor, grasp, ahead, interpolation, frames, .. } = &mut *prediction;
-    let push = shared.0.push.as_ref().map(|push| push.at(load.push)).unwrap_or_default();
+    let push = shared.0.push.as_ref().map(|push| push.fraction_of(load.push)).unwrap_or_default();
     let applied = GraspLoad { force: load.level, push };
     let asked = match grasp {
         Some((_, seen)) if command.is_none() => {

@@ -3,11 +3,11 @@
 use crate::choose;
 use base::error::{Error, Result};
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use geometry::Pose;
 use model::Model;
-use model::grasp::{aim_notice, poses_of};
-use model::judge::{Measured, Verdict, evaluate_all};
+use model::evaluation::{GraspMeasurements, Verdict, evaluate_all};
+use model::grasp::{aim_notice, grasp_poses};
 use record::render::Scalar;
 use record::{ExpectationReport, RunReport, Status};
 use scene::{Scene, StepperChoice};
@@ -61,7 +61,7 @@ impl Simulation {
         let (stepper, model) = rayon::join(|| choose(scene), || Model::build(scene));
         let (stepper, model) = (stepper?, model?);
         stepper.check_support(&model)?;
-        let poses = poses_of(scene)?;
+        let poses = grasp_poses(scene)?;
         let pad = model.pad_bounds();
         let aim = pad.and_then(|pad| aim_notice(scene, &model.object, pad, &poses));
         let own = match &scene.stepper {
@@ -110,7 +110,7 @@ impl Simulation {
     /// Fails as [`run_grasps`] does, and if a file cannot be written.
     pub fn run(&self, writer: Option<RunWriter>, sense: bool, observer: &dyn Observer) -> Result<SimulationResult> {
         if sense {
-            self.scene.gripper.needs_alike("a sensitivity")?;
+            self.scene.gripper.require_equal_fingers("a sensitivity")?;
         }
         let last_frames = LastFrames::default();
         let recorded = writer.as_ref().map_or(&() as &dyn Observer, |writer| writer);
@@ -128,8 +128,8 @@ impl Simulation {
             outcomes.iter_mut().zip(&answers).for_each(|(o, moved)| o.summary.sensitivity = moved.clone());
             recorder.iter_mut().for_each(|recorder| recorder.add_sensitivity(answers.clone()));
         }
-        let measured: Vec<Measured> = outcomes.iter().map(|o| o.measured.clone()).collect();
-        let verdicts: Vec<Verdict> = self.scene.promises().iter().map(|e| evaluate_all(e, &measured)).collect();
+        let measured: Vec<GraspMeasurements> = outcomes.iter().map(|o| o.measured.clone()).collect();
+        let verdicts: Vec<Verdict> = self.scene.expectations().iter().map(|e| evaluate_all(e, &measured)).collect();
         let (expectations, profile) = (verdicts.iter().map(as_report).collect(), profile(&outcomes));
         let report = match recorder {
             Some(recorder) => recorder.finish(expectations, profile)?,
@@ -151,7 +151,7 @@ impl Simulation {
         let mut report = RunReport::new(backend, self.threads, value);
         report.pads = self.model.pad_reports();
         report.notices = self.notices.clone();
-        report.promised_in = self.scene.promised_in().into();
+        report.expectations_source = self.scene.expectations_source().into();
         Ok(report)
     }
 }
@@ -174,7 +174,7 @@ fn select(poses: &[Pose], wanted: &[usize]) -> Result<Vec<(usize, Pose)>> {
     let pick = |i: usize| {
         poses.get(i).map(|p| (i, *p)).ok_or_else(|| {
             let last = poses.len().saturating_sub(1);
-            Error::Argument(format!("--grasp {i}: the scene has {}, 0 to {last}", counted(poses.len(), "grasp")))
+            Error::Argument(format!("--grasp {i}: the scene has {}, 0 to {last}", format_count(poses.len(), "grasp")))
         })
     };
     numbers.into_iter().map(pick).collect()

@@ -53,7 +53,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// Attributes the error to the field `field` of the scene, unless it already concerns a field, a scene or an
     /// argument.
-    pub fn about(self, field: &'static str) -> Self {
+    pub fn with_field(self, field: &'static str) -> Self {
         match self {
             own @ (Error::Field { .. } | Error::Scene(_) | Error::Argument(_)) => own,
             other => Error::Field { field, source: Box::new(other) },

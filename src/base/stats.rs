@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Median, 90th percentile and largest of some values (nearest rank).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct Quantiles {
     /// Median: half of the values are at most this.
     pub median: f64,
     /// 90th percentile: nine tenths of the values are at most this.
@@ -13,9 +13,9 @@ pub struct Spread {
     pub worst: f64,
 }
 
-impl Spread {
+impl Quantiles {
     /// Computes the spread of `values`; returns None if there are none.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
         let last = values.len().checked_sub(1)?;
@@ -26,5 +26,5 @@ impl Spread {
 
 /// Computes the median of `values`; returns NaN if there are none.
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    Spread::of(values).map_or(f64::NAN, |s| s.median)
+    Quantiles::from_values(values).map_or(f64::NAN, |s| s.median)
 }

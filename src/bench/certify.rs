@@ -1,15 +1,15 @@
 //! Table of references: values of single grasps with error estimates from a mesh refinement study.
 
-use super::contest::RefinementRun;
-use super::ladder::{ErrorEstimate, RefinementStudy, Role};
+use super::comparison::RefinementRun;
 use super::quantity::QuantityName;
-use super::rules::Rules;
+use super::refinement_study::{ErrorEstimate, RefinementStudy, Role};
+use super::settings::ComparisonSettings;
 use super::sweep::Sweep;
 use super::values::FrameValues;
 use base::error::{Error, Result};
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use base::table::Table;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use scene::{Field, NamedScene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,30 +64,30 @@ pub struct Certified {
 pub fn certify(
     named: &NamedScene,
     scene: &Path,
-    rules: &Rules,
+    settings: &ComparisonSettings,
     mut progress: impl FnMut(&str),
 ) -> Result<(Reference, RefinementStudy)> {
     let mut sweep = Sweep::new(&named.scene)?;
     if !sweep.scene.record.fields.contains(&Field::ContactForce) {
         sweep.scene.record.fields.push(Field::ContactForce);
     }
-    let mut climb = RefinementRun::new(&sweep, rules)?;
-    let pose = *poses_of(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let mut run = RefinementRun::new(&sweep, settings)?;
+    let pose = *grasp_poses(&named.scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let name = named.name.as_str();
-    let steps = climb.grasp(0, pose, &mut |text| progress(&format!("{name}: {text}")))?;
+    let steps = run.grasp(0, pose, &mut |text| progress(&format!("{name}: {text}")))?;
     let of = |role: Role| steps.iter().rev().find(|s| s.role == role).map(|s| &s.values);
     let Some(own) = of(Role::Reference) else {
-        return Err(Error::Solver(format!("{name}: {}", climb.notices.join("; "))));
+        return Err(Error::Solver(format!("{name}: {}", run.notices.join("; "))));
     };
     let certified = |(name, value): (&QuantityName, &f64)| {
         let change = |other: Option<&FrameValues>| other.and_then(|v| v.get(name)).map(|v| (v - value).abs());
-        let mesh = change(of(Role::Rung)).into_iter().chain(change(of(Role::Other))).reduce(f64::max);
+        let mesh = change(of(Role::MeshLevel)).into_iter().chain(change(of(Role::AlternativeMesh))).reduce(f64::max);
         let path = change(of(Role::HalfPath)).map(|c| 2.0 * c);
         let error = mesh.into_iter().chain(path).reduce(f64::hypot).unwrap_or(f64::NAN);
         (name.clone(), Certified { value: *value, error })
     };
     let values = own.iter().map(certified).collect();
-    let (ladder, reference) = (climb.ladder(), climb.reference());
+    let (study, reference) = (run.results(), run.reference());
     let row = Reference {
         name: name.into(),
         scene: scene.display().to_string(),
@@ -95,14 +95,14 @@ pub fn certify(
         nodes: reference.configuration.nodes,
         time_s: Some(reference.time_per_grasp()).filter(|t| t.is_finite()),
         values,
-        fields: ladder.errors.clone(),
+        fields: study.errors.clone(),
         distances: ["displacement", "stress"]
             .into_iter()
-            .filter_map(|name| Some((QuantityName::from(name), ladder.distances.get(name)?.clone())))
+            .filter_map(|name| Some((QuantityName::from(name), study.distances.get(name)?.clone())))
             .collect(),
-        findings: climb.notices.iter().chain(&ladder.findings).cloned().collect(),
+        findings: run.notices.iter().chain(&study.findings).cloned().collect(),
     };
-    Ok((row, ladder))
+    Ok((row, study))
 }
 
 /// Columns of the table: name of a value, heading, and factor from the value's SI unit to that of the column.
@@ -145,7 +145,13 @@ impl References {
         for row in &self.rows {
             let value = |(name, _, unit): (&str, &str, f64)| {
                 let c = row.values.get(name);
-                c.map_or("-".into(), |c| format!("{} ± {}", shown(c.value * unit), shown(rounded(c.error * unit, 2))))
+                c.map_or("-".into(), |c| {
+                    format!(
+                        "{} ± {}",
+                        format_number(c.value * unit),
+                        format_number(round_significant(c.error * unit, 2))
+                    )
+                })
             };
             let field = |name: &str| {
                 let error = row.fields.get(name).and_then(|e| e.error);
@@ -154,7 +160,7 @@ impl References {
             let cells = [row.name.clone()].into_iter().chain(COLUMNS.map(value));
             table.rows.push(cells.chain(["displacement", "stress"].map(field)).collect());
         }
-        let mut out = format!("{HEAD}\n{}\n", table.markdown());
+        let mut out = format!("{MARKDOWN_HEADER}\n{}\n", table.markdown());
         for row in &self.rows {
             let time = row.time_s.map_or(String::new(), |t| format!(", {t:.0} s"));
             out += &format!("- {}: {} of `{}`, {} nodes per pad{time}", row.name, row.reference, row.scene, row.nodes);
@@ -165,7 +171,7 @@ impl References {
     }
 }
 
-const HEAD: &str = "# References
+const MARKDOWN_HEADER: &str = "# References
 
 Values of single grasps at their last frame, over both pads, each with an estimate of its own error, written by
 `tactus bench SCENE --certify -o docs`; `references.json` has the same in SI. An error combines

@@ -44,8 +44,8 @@ const FOCUS: (f64, f64) = (2.0, 4.0 / 3.0);
 ///
 /// # Errors
 /// Fails in the cases of [`coarser`].
-pub fn other_kind(pads: &Pads) -> Result<Option<Pads>> {
-    let of = |focus: Ratio| Ratio::preset(if focus.get() < FOCUS.0 { FOCUS.0 } else { 1.0 });
+pub fn alternative_mesh(pads: &Pads) -> Result<Option<Pads>> {
+    let of = |focus: Ratio| Ratio::new_unchecked(if focus.get() < FOCUS.0 { FOCUS.0 } else { 1.0 });
     Ok(Some(match pads {
         Pads::GelSightMini(g) => Pads::GelSightMini(GelSightMini { focus: of(g.focus), ..*g }),
         Pads::Disc(d) => Pads::Disc(DiscPad { focus: of(d.focus), ..*d }),

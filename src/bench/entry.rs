@@ -1,7 +1,7 @@
 //! Entry of a comparison: a configuration, its simulations, and their times and errors.
 
 use super::clock::{peak_memory, processor_time, reset_peak_memory};
-use super::ladder;
+use super::refinement_study;
 use super::sweep::Configuration;
 use backend::choose;
 use base::error::Result;
@@ -9,7 +9,7 @@ use base::interrupt;
 use base::stats::median;
 use geometry::Pose;
 use model::Model;
-use record::error_norm::{Distance, FieldInterpolation, Fields, Points};
+use record::error_norm::{FieldInterpolation, Fields, FrameDistance, Points};
 use record::{Frame, Status};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,7 +24,7 @@ pub struct BenchEntry {
     /// Configuration of the entry.
     pub configuration: Configuration,
     /// Model and backend; None while they are not loaded.
-    pub prepared: Option<Prepared>,
+    pub prepared: Option<PreparedConfiguration>,
     /// Wall time of the set-up and of the first simulation after it, s.
     pub cold_s: f64,
     /// Wall time of each repetition by grasp, s, without the time for recording frames.
@@ -40,14 +40,14 @@ pub struct BenchEntry {
     /// Largest resident memory of the process with this configuration alone, up to its first frame, bytes.
     pub peak_memory: Option<u64>,
     /// Errors, one per grasp and frame from a fifth of the load on.
-    pub errors: Vec<Distance>,
+    pub errors: Vec<FrameDistance>,
     /// Grasps that did not reach their load, with the reason.
     pub failed: Vec<String>,
 }
 
 /// Configuration with its loaded model and backend.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct PreparedConfiguration {
     /// Model of its scene.
     pub model: Arc<Model>,
     /// Backend of the configuration.
@@ -58,9 +58,9 @@ pub struct Prepared {
 
 /// Observer that keeps the frames of a grasp.
 #[derive(Default)]
-struct Keep(Mutex<Vec<Frame>>);
+struct FrameCollector(Mutex<Vec<Frame>>);
 
-impl Observer for Keep {
+impl Observer for FrameCollector {
     fn frame(&self, _index: usize, frame: &Frame) -> Result<()> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(frame.clone());
         Ok(())
@@ -126,9 +126,9 @@ impl BenchEntry {
         let first = !self.wall_s.contains_key(&index);
         let (cold, prepared) = match self.prepared.take() {
             Some(prepared) => (false, self.prepared.insert(prepared)),
-            None => (true, self.prepared.insert(Prepared::new(&self.configuration, points, pose)?)),
+            None => (true, self.prepared.insert(PreparedConfiguration::new(&self.configuration, points, pose)?)),
         };
-        let (keep, before) = (Keep::default(), processor_time());
+        let (keep, before) = (FrameCollector::default(), processor_time());
         let outcome = pool.install(|| run_grasp(&prepared.model, prepared.stepper.as_ref(), index, pose, &keep))?;
         let processor = processor_time().zip(before).map(|(now, before)| now - before);
         let wall = outcome.summary.wall_s - outcome.timings.stages.get("record").copied().unwrap_or(0.0);
@@ -152,9 +152,9 @@ impl BenchEntry {
     }
 
     /// Adds the errors of the frames of a grasp against those of the reference; either list may be empty.
-    pub(super) fn judge(&mut self, points: &Points, own: &[Fields], truth: &[Fields]) {
+    pub(super) fn add_errors(&mut self, points: &Points, own: &[Fields], truth: &[Fields]) {
         if let Some(prepared) = &self.prepared {
-            self.errors.extend(ladder::distances(points, &prepared.model.levels, own, truth));
+            self.errors.extend(refinement_study::distances(points, &prepared.model.levels, own, truth));
         }
     }
 
@@ -180,7 +180,7 @@ pub fn add_stages(stages: &mut BTreeMap<&'static str, f64>, outcome: &Outcome) {
     }
 }
 
-impl Prepared {
+impl PreparedConfiguration {
     fn new(configuration: &Configuration, points: &Points, pose: Pose) -> Result<Self> {
         let clock = Instant::now();
         let (mut model, stepper) = (Model::build(&configuration.scene)?, choose(&configuration.scene)?);

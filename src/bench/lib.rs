@@ -1,10 +1,10 @@
 //! Benchmarks: speed against error of all finite-element settings and networks on the same grasps, in one run.
 //!
 //! ```text
-//! Scene -> sweep.rs (configurations), ladder.rs (reference and its error) -> contest.rs (round robin: time; error
-//!          density.rs (coarser and finer pads)                               against the reference, record::error_norm)
+//! Scene -> sweep.rs (configurations), refinement_study.rs (reference and its error), density.rs (coarser, finer pads)
+//!       -> comparison.rs (round robin: time; error against the reference, record::error_norm)
 //!       -> report.rs (medians, Pareto front, speed-up at equal error) -> table.rs, chart.rs, JSON, CSV
-//! Scene -> ladder.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
+//! Scene -> refinement_study.rs -> values.rs (numbers of a frame) -> certify.rs (table of certified references)
 //! Scene -> sizes.rs (cost against size of the pad)
 //! Task  -> rollout.rs (steps a second against environments and threads)
 //! ```
@@ -12,16 +12,16 @@
 pub mod certify;
 pub mod chart;
 pub mod clock;
-pub mod contest;
+pub mod comparison;
 pub mod density;
 mod entry;
 pub mod fit;
-mod front;
-pub mod ladder;
+mod pareto_front;
 mod quantity;
+pub mod refinement_study;
 pub mod report;
 pub mod rollout;
-mod rules;
+mod settings;
 pub mod sizes;
 pub mod snapshots;
 pub mod sweep;
@@ -29,7 +29,7 @@ pub mod table;
 pub mod values;
 
 pub use certify::certify;
-pub use contest::contest;
+pub use comparison::compare;
 pub use report::BenchReport;
 pub use rollout::rollouts;
 pub use sizes::cost_by_size;

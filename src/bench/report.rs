@@ -1,12 +1,12 @@
 //! Report of a comparison: a point per configuration, the Pareto front, the speed-up at equal error.
 
 use super::entry::BenchEntry;
-use super::front::{Competitor, time_at};
-use super::ladder::RefinementStudy;
-use super::quantity::NamedQuantity;
+use super::pareto_front::{Competitor, time_at};
+use super::quantity::ComparedQuantity;
 pub use super::quantity::{QUANTITIES, QuantityName};
-use super::rules::Rules;
-use base::stats::Spread;
+use super::refinement_study::RefinementStudy;
+use super::settings::ComparisonSettings;
+use base::stats::Quantiles;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
@@ -48,7 +48,7 @@ pub struct Point {
     /// Error of the travel of the fingers, median.
     pub travel_error: Option<f64>,
     /// Median, 90th percentile and worst of every quantity over grasps and frames.
-    pub errors: BTreeMap<QuantityName, Spread>,
+    pub errors: BTreeMap<QuantityName, Quantiles>,
     /// Grasps that did not reach their load, with the reason.
     pub failed: Vec<String>,
     /// True if another point is at least as fast and as accurate and better in one of the two, or if a grasp failed.
@@ -110,7 +110,8 @@ pub struct BenchReport {
     /// Estimated error of the displacement of the reference; smaller errors cannot be resolved.
     pub reference_error: Option<f64>,
     /// Mesh refinement study from which the error of the reference is estimated.
-    pub ladder: RefinementStudy,
+    #[serde(rename = "ladder")]
+    pub refinement_study: RefinementStudy,
     /// Largest speed-up of the contenders; null without any, or if no setting reaches their error.
     pub speedup_at_equal_error: Option<f64>,
     /// Notices about the results.
@@ -120,25 +121,25 @@ pub struct BenchReport {
 impl BenchReport {
     /// Builds the report from the entries of a comparison.
     pub fn new(
-        rules: &Rules,
+        settings: &ComparisonSettings,
         grasps: Vec<usize>,
-        (reference, ladder): (&BenchEntry, RefinementStudy),
+        (reference, study): (&BenchEntry, RefinementStudy),
         entries: &[BenchEntry],
         notices: Vec<String>,
     ) -> Self {
         let mut points: Vec<Point> = entries.iter().map(Point::new).collect();
         let mut reference = Point::new(reference);
-        let of = |name: &str| ladder.errors.get(name).and_then(|e| e.error);
+        let of = |name: &str| study.errors.get(name).and_then(|e| e.error);
         let reference_error = of("displacement");
         (reference.displacement_error, reference.stress_error) = (reference_error, of("stress"));
         (reference.force_error, reference.travel_error) = (of("force"), of("travel"));
         mark_dominated(&mut points);
-        let mut settings: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
-        settings.push(reference.clone());
+        let mut full_models: Vec<Point> = points.iter().filter(|p| !p.contender).cloned().collect();
+        full_models.push(reference.clone());
         let mut elements: Vec<Point> = points.iter().filter(|p| p.backend == FEM).cloned().collect();
         elements.push(reference.clone());
         for point in points.iter_mut().filter(|p| p.contender) {
-            point.speedup_at_equal_error = point.compare(&settings);
+            point.speedup_at_equal_error = point.compare(&full_models);
             if point.backend != FEM {
                 point.speedup_over_cheapest = point.compare(&elements);
             }
@@ -146,11 +147,11 @@ impl BenchReport {
         let speedups = points.iter().filter_map(|p| Some(p.speedup_at_equal_error.as_ref()?.ratio));
         Self {
             grasps,
-            threads: rules.threads,
-            repeats: rules.repeats,
+            threads: settings.threads,
+            repeats: settings.repeats,
             speedup_at_equal_error: speedups.reduce(f64::max),
             reference_error,
-            ladder,
+            refinement_study: study,
             reference,
             points,
             notices,
@@ -161,7 +162,7 @@ impl BenchReport {
 /// Marks dominated points: another point is at least as fast and as accurate in displacement, and better in one of the
 /// two.
 pub fn mark_dominated(points: &mut [Point]) {
-    let all: Vec<Option<(f64, f64)>> = points.iter().map(Point::place).collect();
+    let all: Vec<Option<(f64, f64)>> = points.iter().map(Point::time_and_error).collect();
     for (point, own) in points.iter_mut().zip(&all) {
         let beaten =
             |own: &(f64, f64)| all.iter().flatten().any(|other| other.0 <= own.0 && other.1 <= own.1 && other != own);
@@ -171,8 +172,8 @@ pub fn mark_dominated(points: &mut [Point]) {
 
 impl Point {
     fn new(entry: &BenchEntry) -> Self {
-        let spread = |(name, pick): &NamedQuantity| {
-            Spread::of(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
+        let spread = |(name, pick): &ComparedQuantity| {
+            Quantiles::from_values(entry.errors.iter().map(pick)).map(|s| (QuantityName::from(*name), s))
         };
         let errors: BTreeMap<_, _> = QUANTITIES.iter().filter_map(spread).collect();
         let middle = |name: &str| errors.get(name).map(|s| s.median);
@@ -207,7 +208,7 @@ impl Point {
     }
 
     /// Returns time and displacement error; None if a grasp failed.
-    pub fn place(&self) -> Option<(f64, f64)> {
+    pub fn time_and_error(&self) -> Option<(f64, f64)> {
         self.displacement_error.filter(|_| self.failed.is_empty()).map(|e| (self.time_per_grasp_s, e))
     }
 

@@ -2,7 +2,7 @@
 //! environments and threads; memory per environment; cost of saving and restoring an environment.
 
 use super::clock::{peak_memory, reset_peak_memory};
-use super::snapshots::{SnapshotCost, snapshots};
+use super::snapshots::{SnapshotCost, measure_snapshots};
 use backend::choose;
 use base::error::{Error, Result};
 use base::interrupt;
@@ -10,7 +10,9 @@ use base::random::Random;
 use base::stats::median;
 use env::{BatchConfig, BatchEnv};
 use plotters::prelude::*;
-use record::render::canvas::{Area, Drawn, INK, KINDS, Picture, axes, range, save_picture, text_style};
+use record::render::canvas::{
+    AXIS_COLOR, Area, DrawChart, DrawResult, SERIES_COLORS, axes, range, save_picture, text_style,
+};
 use scene::{Gnn, NamedScene, StepperChoice};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -88,7 +90,7 @@ pub fn rollouts(
         let own = || choose(&set[0].scene).map(|stepper| stepper.name().to_string());
         let backend = model.map_or_else(own, |m| Ok(m.display().to_string()))?;
         progress(&format!("{backend}, saved environments"));
-        saved.extend(snapshots(&set, &backend, steps)?);
+        saved.extend(measure_snapshots(&set, &backend, steps)?);
         for &threads in threads {
             let mut rate = f64::INFINITY;
             for &n in &envs {
@@ -98,7 +100,7 @@ pub fn rollouts(
                     continue;
                 }
                 progress(&name);
-                let turns = (0..repeats).map(|_| play(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
+                let turns = (0..repeats).map(|_| run_batch(&set, n, threads, steps)).collect::<Result<Vec<_>>>()?;
                 rate = median(turns.iter().map(|t| t.steps_per_s));
                 rates.push(Rate {
                     backend: backend.clone(),
@@ -111,18 +113,18 @@ pub fn rollouts(
             }
         }
     }
-    Ok(Rollouts { memory_per_env_bytes: growth(&rates), rates, snapshots: saved, left_out, repeats })
+    Ok(Rollouts { memory_per_env_bytes: memory_per_env(&rates), rates, snapshots: saved, left_out, repeats })
 }
 
 /// Results of one repetition of a batch.
-struct Turn {
+struct RepetitionResult {
     steps_per_s: f64,
     worst_over_median: f64,
     peak_memory_bytes: Option<u64>,
 }
 
 /// Runs one batch under a random policy.
-fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<Turn> {
+fn run_batch(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Result<RepetitionResult> {
     let known = reset_peak_memory();
     let mut env = BatchEnv::new(set, BatchConfig { num_envs, threads: Some(threads), ..BatchConfig::default() })?;
     let failed = |e: env::StepError| Error::Solver(e.to_string());
@@ -131,14 +133,14 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
     let numbers = num_envs * env.action_spec().size();
     let (clock, mut times) = (Instant::now(), Vec::new());
     while times.len() < steps || clock.elapsed().as_secs_f64() < MIN_BATCH_TIME {
-        let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.unit() as f32 - 1.0).collect();
+        let actions: Vec<f32> = (0..numbers).map(|_| 2.0 * random.uniform() as f32 - 1.0).collect();
         let step = Instant::now();
         env.step(&actions).map_err(failed)?;
         interrupt::check()?;
         times.push(step.elapsed().as_secs_f64());
     }
     let worst = times.iter().copied().fold(0.0, f64::max);
-    Ok(Turn {
+    Ok(RepetitionResult {
         steps_per_s: (times.len() * num_envs) as f64 / clock.elapsed().as_secs_f64(),
         worst_over_median: worst / median(times.iter().copied()),
         peak_memory_bytes: peak_memory().filter(|_| known),
@@ -148,7 +150,7 @@ fn play(set: &[NamedScene], num_envs: usize, threads: usize, steps: usize) -> Re
 /// Returns the memory per environment of each backend: the slope from the batch with the least memory to the largest
 /// batch. The batch with the least memory need not be the smallest, because a small batch may reuse memory of an
 /// earlier large one.
-fn growth(rates: &[Rate]) -> Vec<(String, f64)> {
+fn memory_per_env(rates: &[Rate]) -> Vec<(String, f64)> {
     let mut all: Vec<(String, f64)> = Vec::new();
     for rate in rates {
         if all.iter().any(|(backend, _)| *backend == rate.backend) {
@@ -223,12 +225,12 @@ impl Rollouts {
     }
 
     fn color(&self, line: &[&Rate]) -> RGBColor {
-        KINDS[usize::from(line[0].backend != self.rates[0].backend)]
+        SERIES_COLORS[usize::from(line[0].backend != self.rates[0].backend)]
     }
 }
 
-impl Picture for Rollouts {
-    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+impl DrawChart for Rollouts {
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> DrawResult<B> {
         let envs = range(self.rates.iter().map(|r| r.envs as f64));
         let rates = range(self.rates.iter().map(|r| r.steps_per_s));
         let name = "steps of single environments per second, random policy";
@@ -259,9 +261,10 @@ impl Picture for Rollouts {
                 lines.push((rate, self.color(&line)));
             }
         }
-        lines.push((String::new(), INK));
-        let memory =
-            |(backend, bytes): &(String, f64)| (format!("{:.2} MB per environment: {backend}", bytes / 1e6), INK);
+        lines.push((String::new(), AXIS_COLOR));
+        let memory = |(backend, bytes): &(String, f64)| {
+            (format!("{:.2} MB per environment: {backend}", bytes / 1e6), AXIS_COLOR)
+        };
         lines.extend(self.memory_per_env_bytes.iter().map(memory));
         lines
     }

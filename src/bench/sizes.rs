@@ -6,7 +6,7 @@ use super::entry::add_stages;
 use backend::choose;
 use base::error::{Error, Result};
 use base::stats::median;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use model::{Model, accuracy};
 use record::Status;
 use scene::{Element, Pads, Scene, StepperChoice};
@@ -67,13 +67,13 @@ pub fn cost_by_size(
     let StepperChoice::Fem(fem) = scene.stepper else {
         return Err(Error::Start("cost against size needs finite elements; the scene's stepper is a network".into()));
     };
-    scene.gripper.needs_alike("a bench")?;
+    scene.gripper.require_equal_fingers("a bench")?;
     let scene = &accuracy::with_chosen_mesh(scene)?;
     let mut wanted = wanted.to_vec();
     wanted.sort_unstable();
     let mut pads = wanted.iter().map(|n| of_size(&scene.gripper.pads, fem.element, *n)).collect::<Result<Vec<_>>>()?;
     pads.dedup();
-    let pose = *poses_of(scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
+    let pose = *grasp_poses(scene)?.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -82,7 +82,7 @@ pub fn cost_by_size(
     for turn in 0..repeats {
         for (pads, sizes) in pads.iter().zip(&mut turns) {
             let mut scene = scene.clone();
-            scene.promise_nothing();
+            scene.clear_expectations();
             scene.gripper.pads = pads.clone();
             let density = describe(pads);
             progress(&format!("repetition {} of {repeats}: {density}", turn + 1));
@@ -113,7 +113,7 @@ pub fn cost_by_size(
             });
         }
     }
-    let sizes: Vec<SizePoint> = turns.iter().filter_map(|t| middle(t)).collect();
+    let sizes: Vec<SizePoint> = turns.iter().filter_map(|t| median_point(t)).collect();
     let fit = |pick: fn(&SizePoint) -> Option<f64>| {
         exponent(sizes.iter().filter_map(|s| pick(s).map(|v| (s.unknowns as f64, v))).collect())
     };
@@ -128,7 +128,7 @@ pub fn cost_by_size(
 }
 
 /// Returns the median times over the repetitions of one size, and the largest memory.
-fn middle(turns: &[SizePoint]) -> Option<SizePoint> {
+fn median_point(turns: &[SizePoint]) -> Option<SizePoint> {
     let of = |pick: fn(&SizePoint) -> f64| median(turns.iter().map(pick));
     Some(SizePoint {
         time_per_iteration_s: of(|s| s.time_per_iteration_s),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Number of times that a state is saved and restored; times are medians.
-const TURNS: usize = 5;
+const REPETITIONS: usize = 5;
 
 /// Cost of saving and restoring an environment.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -30,7 +30,7 @@ pub struct SnapshotCost {
 ///
 /// # Errors
 /// Fails if an environment cannot be created, stepped or restored.
-pub fn snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<SnapshotCost>> {
+pub fn measure_snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<SnapshotCost>> {
     let mut env = BatchEnv::new(set, BatchConfig { num_envs: 1, threads: Some(1), ..BatchConfig::default() })?;
     let failed = |e: env::StepError| Error::Solver(e.to_string());
     env.reset(None, None).map_err(failed)?;
@@ -43,7 +43,7 @@ pub fn snapshots(set: &[NamedScene], backend: &str, steps: usize) -> Result<Vec<
             continue;
         }
         let (mut bytes, mut times) = (0, Vec::new());
-        for _ in 0..TURNS {
+        for _ in 0..REPETITIONS {
             let clock = Instant::now();
             let saved = env.save(0)?;
             let saving = clock.elapsed().as_secs_f64();

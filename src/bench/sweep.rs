@@ -84,9 +84,9 @@ impl Sweep {
                 "a bench supports `Squeeze` and `Press`; the scene's loading is `Dynamic`".into(),
             ));
         }
-        scene.gripper.needs_alike("a bench")?;
+        scene.gripper.require_equal_fingers("a bench")?;
         let mut scene = accuracy::with_chosen_mesh(scene)?;
-        scene.promise_nothing();
+        scene.clear_expectations();
         for field in [Field::Displacement, Field::Stress] {
             if !scene.record.fields.contains(&field) {
                 scene.record.fields.push(field);

@@ -1,7 +1,7 @@
 //! Text and CSV reports of a comparison of speed and error.
 
-use super::ladder::RefinementStudy;
 use super::quantity::QUANTITIES;
+use super::refinement_study::RefinementStudy;
 use super::report::{BenchReport, Point};
 use std::fmt::Write;
 
@@ -56,7 +56,7 @@ pub fn text(report: &BenchReport) -> String {
     report.notices.iter().for_each(|notice| {
         let _ = writeln!(out, "note: {notice}");
     });
-    out += &ladder(&report.ladder);
+    out += &refinement_text(&report.refinement_study);
     headline(&mut out, report);
     out
 }
@@ -64,34 +64,34 @@ pub fn text(report: &BenchReport) -> String {
 /// Returns the text of a mesh refinement study: its members, the relative differences of their displacement, stress and
 /// force in %, the error estimate of the reference in %, with its parts and the observed order of convergence, and its
 /// findings.
-pub fn ladder(ladder: &RefinementStudy) -> String {
-    let width = ladder.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
+pub fn refinement_text(study: &RefinementStudy) -> String {
+    let width = study.members.iter().map(|m| m.label.len()).max().unwrap_or(0);
     let percent = |v: Option<f64>| v.map_or("-".into(), |v| format!("{:.2}", 100.0 * v));
     let mut out =
         String::from("\ndifferences between the members of the refinement study, %: displacement, stress, force\n");
-    for (i, m) in ladder.members.iter().enumerate() {
+    for (i, m) in study.members.iter().enumerate() {
         let time = m.time_per_grasp_s.map_or("-".into(), |t| format!("{t:.2}"));
         let _ = write!(out, "{}  {:<width$}  {:>6} nodes {time:>8} s ", i + 1, m.label, m.nodes);
         for name in ["displacement", "stress", "force"] {
-            let row = ladder.distances.get(name).map_or(&[][..], |table| &table[i]);
-            let cells = (0..ladder.members.len()).map(|j| format!("{:>6}", percent(row.get(j).copied().flatten())));
+            let row = study.distances.get(name).map_or(&[][..], |table| &table[i]);
+            let cells = (0..study.members.len()).map(|j| format!("{:>6}", percent(row.get(j).copied().flatten())));
             let _ = write!(out, " |{}", cells.collect::<String>());
         }
         out.push('\n');
     }
     out += "\nerror of the reference, %        error    last refinement   another mesh   path   order\n";
-    for (name, e) in &ladder.errors {
+    for (name, e) in &study.errors {
         let _ = writeln!(
             out,
             "  {name:<26} {:>9} {:>18} {:>14} {:>6} {:>7}",
             percent(e.error),
-            percent(e.by_rungs),
-            percent(e.by_other),
+            percent(e.by_levels),
+            percent(e.by_alternative_mesh),
             percent(e.by_path),
             e.order.map_or("-".into(), |p| format!("{p:.1}")),
         );
     }
-    ladder.findings.iter().for_each(|finding| {
+    study.findings.iter().for_each(|finding| {
         let _ = writeln!(out, "note: {finding}");
     });
     out

@@ -2,13 +2,13 @@
 //! steps per second.
 
 use super::console::Console;
-use super::output::{Format, OK};
+use super::output::{EXIT_OK, Format};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;
 use bench::certify::References;
-use bench::contest::Rules;
-use bench::{certify, chart, contest, cost_by_size, ladder, rollout, rollouts, sizes, table};
+use bench::comparison::ComparisonSettings;
+use bench::{certify, chart, compare, cost_by_size, refinement_study, rollout, rollouts, sizes, table};
 use indicatif::ProgressBar;
 use scene::{Scene, load_object, load_set};
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct BenchArgs {
     pub repeat: u64,
     /// Number of meshes in the refinement sequence from which the error of the reference is estimated. The first has
     /// the cell size of the scene, and each further one is finer by the square root of two.
-    #[arg(long, value_name = "N", default_value_t = ladder::RUNGS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
+    #[arg(long, value_name = "N", default_value_t = refinement_study::DEFAULT_LEVELS as u64, value_parser = clap::value_parser!(u64).range(2..=6))]
     pub rungs: u64,
     /// Instead, compute reference values of the first grasp of each object with error estimates, into `references.json`
     /// and `references.md`; rows of other objects in these files are kept.
@@ -70,34 +70,34 @@ pub struct BenchArgs {
 /// # Errors
 /// Fails if an argument is invalid, the measurement fails or a file cannot be written.
 pub fn bench(args: &BenchArgs, console: &dyn Console) -> Result<u8> {
-    let bar = console.show(ProgressBar::new_spinner());
+    let bar = console.attach_progress_bar(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
     let progress = |text: &str| bar.set_message(text.to_string());
     args.out.as_deref().map_or(Ok(()), create_dir)?;
     let measured = match (args.certify, args.envs.is_empty()) {
         (true, _) => references(args, progress),
         (false, true) => measure(args, progress),
-        (false, false) => play(args, progress),
+        (false, false) => measure_rollouts(args, progress),
     };
     bar.finish_and_clear();
     let (text, json) = measured?;
     console.print(if args.format == Format::Json { &json } else { &text })?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }
 
 /// Computes references with error estimates. Returns the rows as text and as JSON; the files are written after each
 /// row.
 fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(String, String)> {
-    let set = load_set(&args.scene)?.only(args.object.as_deref())?;
-    let rules = rules(args);
+    let set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
+    let settings = comparison_settings(args);
     let mut all = args.out.as_deref().map_or_else(|| Ok(References::default()), References::read)?;
-    let (mut own, mut ladders) = (References::default(), String::new());
+    let (mut own, mut studies) = (References::default(), String::new());
     for named in &set.scenes {
         let mut named = named.clone();
         set_frames(args, &mut named.scene)?;
-        let (row, climbed) =
-            certify(&named, &args.scene, &rules, &mut progress).map_err(|e| set.place(e, &named.name))?;
-        ladders += &format!("\n{}{}", row.name, table::ladder(&climbed));
+        let (row, study) =
+            certify(&named, &args.scene, &settings, &mut progress).map_err(|e| set.locate_error(e, &named.name))?;
+        studies += &format!("\n{}{}", row.name, table::refinement_text(&study));
         own.put(row.clone());
         all.put(row);
         if let Some(dir) = args.out.as_deref() {
@@ -105,15 +105,15 @@ fn references(args: &BenchArgs, mut progress: impl FnMut(&str)) -> Result<(Strin
             write_atomic(&dir.join("references.md"), all.markdown().as_bytes())?;
         }
     }
-    Ok((format!("{}{ladders}", own.markdown()), as_json(&own)?))
+    Ok((format!("{}{studies}", own.markdown()), as_json(&own)?))
 }
 
-fn rules(args: &BenchArgs) -> Rules {
-    Rules {
+fn comparison_settings(args: &BenchArgs) -> ComparisonSettings {
+    ComparisonSettings {
         grasps: args.grasps as usize,
         threads: args.threads.map_or_else(machine_threads, |n| n as usize),
         repeats: args.repeat as usize,
-        rungs: args.rungs as usize,
+        levels: args.rungs as usize,
     }
 }
 
@@ -123,7 +123,7 @@ fn set_frames(args: &BenchArgs, scene: &mut Scene) -> Result<()> {
 }
 
 /// Measures the steps of a task per second. Returns the report as text and as JSON, and writes the files.
-fn play(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
+fn measure_rollouts(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, String)> {
     let set = load_set(&args.scene)?.scenes;
     let envs: Vec<usize> = args.envs.iter().map(|n| *n as usize).collect();
     let most = args.threads.map_or_else(machine_threads, |n| n as usize);
@@ -144,17 +144,17 @@ fn measure(args: &BenchArgs, progress: impl FnMut(&str)) -> Result<(String, Stri
     let loaded = load_object(&args.scene, args.object.as_deref())?;
     let mut scene = loaded.scene.clone();
     set_frames(args, &mut scene)?;
-    let rules = rules(args);
+    let settings = comparison_settings(args);
     let out = args.out.as_deref();
     if !args.sizes.is_empty() {
         let wanted: Vec<usize> = args.sizes.iter().map(|n| *n as usize).collect();
-        let report =
-            cost_by_size(&scene, &wanted, rules.threads, rules.repeats, progress).map_err(|e| loaded.place(e))?;
+        let report = cost_by_size(&scene, &wanted, settings.threads, settings.repeats, progress)
+            .map_err(|e| loaded.locate_error(e))?;
         let json = as_json(&report)?;
         out.map_or(Ok(()), |dir| write_atomic(&dir.join("sizes.json"), json.as_bytes()))?;
         return Ok((sizes::text(&report), json));
     }
-    let report = contest(&scene, &args.model, &rules, progress).map_err(|e| loaded.place(e))?;
+    let report = compare(&scene, &args.model, &settings, progress).map_err(|e| loaded.locate_error(e))?;
     let json = as_json(&report)?;
     if let Some(dir) = out {
         write_atomic(&dir.join("bench.json"), json.as_bytes())?;

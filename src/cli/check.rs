@@ -2,18 +2,18 @@
 //! together with the properties of its run.
 
 use super::console::Console;
-use super::findings::{Found, MAX_GRASPS};
-use super::output::{Format, OK, REFUSED};
+use super::findings::{MAX_GRASPS, SceneFindings};
+use super::output::{EXIT_ERROR, EXIT_OK, Format};
 use super::plausible::implausible;
 use super::run::with_object_name;
 use backend::choose;
 use backend::fem::condensed::nodes_at_contact;
 use base::error::{Error, Result};
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use geometry::Pose;
 use geometry::mesh::io::{write_obj, write_stl};
-use model::grasp::{aim_notice, grasps_of, write_grasps_h5};
+use model::grasp::{aim_notice, resolve_grasps, write_grasps_h5};
 use model::gripper::Hand;
 use model::gripper::hand::HandPart;
 use model::{Model, Unknowns};
@@ -51,7 +51,7 @@ pub struct CheckArgs {
 /// # Errors
 /// Fails if the scene or an argument is invalid, or a file cannot be written.
 pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
-    let set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
     let several = set.scenes.len() > 1;
     if several && args.export.is_some() {
         return Err(Error::Argument("--export writes one object; choose it with --object".into()));
@@ -60,7 +60,9 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     let examined = &set.scenes[..set.scenes.len().min(MAX_OBJECTS)];
     // Chunks of one object per thread limit the memory, because each object has its own pads.
     for chunk in examined.chunks(machine_threads()) {
-        let found = chunk.par_iter().map(|named| (named, examine(&named.scene).map_err(|e| set.place(e, &named.name))));
+        let found = chunk
+            .par_iter()
+            .map(|named| (named, check_scene(&named.scene).map_err(|e| set.locate_error(e, &named.name))));
         for (NamedScene { name, scene, .. }, found) in found.collect::<Vec<_>>() {
             let name = name.as_str();
             let mut json = match &found {
@@ -77,9 +79,9 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
             } else if let Ok(found) = &found {
                 let head = if several { format!("// object {name}\n") } else { String::new() };
                 let foot = if several { "\n" } else { "" };
-                let details = found.details(console.follows());
+                let details = found.details(console.is_verbose());
                 console.print(&format!("{head}{}{}{details}{foot}", found.overview(), to_ron(scene)?))?;
-                problems += &found.complaints(several.then_some(name));
+                problems += &found.problem_lines(several.then_some(name));
             }
             match found {
                 Ok(found) => {
@@ -97,18 +99,18 @@ pub fn check(args: &CheckArgs, console: &dyn Console) -> Result<u8> {
     } else if more > 0 {
         console.print(&format!(
             "// and {} that were not checked: choose one with --object\n",
-            counted(more, "more object")
+            format_count(more, "more object")
         ))?;
     }
     console.print(&problems)?;
     if !errors.is_empty() {
         return Err(Error::Scene(errors.join("\n")));
     }
-    Ok(if runs { OK } else { REFUSED })
+    Ok(if runs { EXIT_OK } else { EXIT_ERROR })
 }
 
 /// Writes the export in the format that the extension of the file name selects.
-fn export(path: &Path, found: &Found) -> Result<()> {
+fn export(path: &Path, found: &SceneFindings) -> Result<()> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("obj") => write_obj(path, &found.model.object.surface),
         Some("stl") => write_stl(path, &found.model.object.surface),
@@ -122,11 +124,11 @@ const MAX_OBJECTS: usize = 50;
 
 /// Builds what a run of `scene` would build, and closes its grasps to first contact. Nothing is factorised and no
 /// network is evaluated.
-fn examine(scene: &Scene) -> Result<Found> {
+fn check_scene(scene: &Scene) -> Result<SceneFindings> {
     let stepper = choose(scene)?;
     // The model is built before the grasps because it rejects scenes that are too large.
     let model = Model::build(scene)?;
-    let grasps = grasps_of(scene)?;
+    let grasps = resolve_grasps(scene)?;
     let poses = grasps.poses;
     let first = poses.first().ok_or_else(|| Error::Start("the scene has no grasp".into()))?;
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
@@ -149,7 +151,7 @@ fn examine(scene: &Scene) -> Result<Found> {
         }));
         problems.extend(implausible(scene, &model, &poses[grasp], &expected));
     }
-    let mut found = Found {
+    let mut found = SceneFindings {
         systems: systems.collect(),
         components: environment.components().into_iter().collect(),
         expected,
@@ -167,7 +169,7 @@ fn examine(scene: &Scene) -> Result<Found> {
     // problem, because only the pads are simulated.
     let hand = pad.filter(|_| !matches!(scene.grasps, Grasps::Antipodal(_))).map(|pad| Hand::new(pad, &scene.gripper));
     let distance = model.object.distance.as_ref();
-    let met = |(grasp, pose): (usize, &Pose)| match hand.as_ref()?.obstacle(distance, pose, 0.0, 0.0)? {
+    let met = |(grasp, pose): (usize, &Pose)| match hand.as_ref()?.first_collision(distance, pose, 0.0, 0.0)? {
         part @ (HandPart::Palm | HandPart::Finger) => {
             Some(format!("grasp {grasp}: the {} of a real hand would collide with the object", part.name()))
         }

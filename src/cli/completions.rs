@@ -1,7 +1,7 @@
 //! Commands `tactus completions` and `tactus man`: files that a package installs with the program.
 
 use super::console::Console;
-use super::output::OK;
+use super::output::EXIT_OK;
 use base::error::{Error, Result};
 use base::files::atomic::create_dir;
 use clap::Command;
@@ -32,7 +32,7 @@ pub fn completions(args: &CompletionsArgs, mut command: Command, console: &dyn C
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut command, "tactus", &mut text);
     console.print(&String::from_utf8_lossy(&text))?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }
 
 /// Writes the manual pages of `command`, the whole command line.
@@ -42,5 +42,5 @@ pub fn completions(args: &CompletionsArgs, mut command: Command, console: &dyn C
 pub fn man(args: &ManArgs, command: Command) -> Result<u8> {
     create_dir(&args.out)?;
     clap_mangen::generate_to(command, &args.out).map_err(|e| Error::file(&args.out, e.to_string()))?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }

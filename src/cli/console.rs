@@ -12,22 +12,22 @@ pub trait Console: Sync {
     /// Fails if the report cannot be written.
     fn print(&self, text: &str) -> Result<()>;
     /// Prints a message in addition to the report.
-    fn say(&self, line: &str);
+    fn print_message(&self, line: &str);
     /// Prints a warning that affects whether a result can be trusted.
     fn warn(&self, line: &str) {
-        self.say(line);
+        self.print_message(line);
     }
     /// Returns true if details of the solver's work are requested.
-    fn follows(&self) -> bool {
+    fn is_verbose(&self) -> bool {
         false
     }
     /// Shows a progress bar.
-    fn show(&self, bar: ProgressBar) -> ProgressBar {
+    fn attach_progress_bar(&self, bar: ProgressBar) -> ProgressBar {
         bar
     }
     /// Returns true if the process ends with the command. Memory is then not freed, because the operating system
     /// reclaims it faster.
-    fn ends(&self) -> bool {
+    fn ends_process(&self) -> bool {
         false
     }
 }
@@ -39,7 +39,7 @@ pub enum Verbosity {
     Quiet,
     /// Notes and progress.
     #[default]
-    Usual,
+    Normal,
     /// Notes, progress, and details of the solver's work.
     Verbose,
 }
@@ -65,21 +65,21 @@ impl Console for Terminal {
         }
     }
 
-    fn say(&self, line: &str) {
+    fn print_message(&self, line: &str) {
         if self.0 != Verbosity::Quiet {
             Terminal::fail(line);
         }
     }
 
-    fn follows(&self) -> bool {
+    fn is_verbose(&self) -> bool {
         self.0 == Verbosity::Verbose
     }
 
-    fn show(&self, bar: ProgressBar) -> ProgressBar {
+    fn attach_progress_bar(&self, bar: ProgressBar) -> ProgressBar {
         if self.0 == Verbosity::Quiet { ProgressBar::hidden() } else { bar }
     }
 
-    fn ends(&self) -> bool {
+    fn ends_process(&self) -> bool {
         true
     }
 }

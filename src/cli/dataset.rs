@@ -2,17 +2,17 @@
 //! inspect`.
 
 use super::console::Console;
-use super::dataset_table::{made, moved};
+use super::dataset_table::{dataset_text, sensitivity_text};
 use super::inspect;
-use super::output::{EXPECTATION_FAILED, Format, OK, kept};
-use super::run::refused;
-use super::watch::{WatchArgs, watched};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format, with_kept_note};
+use super::run::argument_error;
+use super::watch::{WatchArgs, run_watched};
 use base::error::Result;
 use base::machine::machine_threads;
-use base::number::counted;
-use dataset::manifest::LeftOut;
-use dataset::progress::Finished;
-use dataset::{Campaign, Selection, Watcher};
+use base::number::format_count;
+use dataset::manifest::ExcludedObject;
+use dataset::progress::FinishedGrasp;
+use dataset::{Campaign, DatasetObserver, Selection};
 use geometry::Pose;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::grasp::keep_first;
@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Largest number of objects whose notices are printed; the manifest lists all.
-const NOTED: usize = 50;
+const MAX_NOTICES: usize = 50;
 
 /// Arguments of `tactus dataset`.
 #[derive(Debug, clap::Args)]
@@ -73,7 +73,7 @@ pub struct DatasetArgs {
     pub max_time: Option<f64>,
     /// Simulate only part I of N, from 1 to N. Parts may run at the same time, on several machines that share the
     /// folder; the same command without this option then completes the data set.
-    #[arg(long, value_name = "I/N", value_parser = part)]
+    #[arg(long, value_name = "I/N", value_parser = parse_part)]
     pub part: Option<(usize, usize)>,
     /// Also measure the sensitivity of the first N grasps of each object (like `run --sensitivity`) into
     /// `sensitivity.csv`; this adds five times the work for these grasps.
@@ -103,12 +103,12 @@ pub fn dataset(args: &DatasetArgs, console: &dyn Console) -> Result<u8> {
         return inspect::inspect(args, console);
     }
     let (Some(scene), Some(out)) = (&args.scene, &args.out) else {
-        return Err(refused("a scene and `-o DIR` are needed"));
+        return Err(argument_error("a scene and `-o DIR` are needed"));
     };
-    watched(&args.watch, out, console, || make(args, scene, out, console))
+    run_watched(&args.watch, out, console, || create_dataset(args, scene, out, console))
 }
 
-fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> Result<u8> {
+fn create_dataset(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> Result<u8> {
     let mut set = load_seeded(scene, args.seed)?;
     choose(&mut set.scenes, &args.object)?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
@@ -116,7 +116,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         set.scenes.iter_mut().try_for_each(|s| limit_time(&mut s.scene.stepper, seconds))?;
     }
     if args.sensitivity.is_some() {
-        set.needs_alike("a sensitivity")?;
+        set.require_equal_pads("a sensitivity")?;
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let predictor = args.worst_of.as_deref().map(Predictor::open).transpose()?;
@@ -126,26 +126,26 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     };
     let keep = args.keep.map(|keep| keep as usize);
     let selection = predictor.is_some().then_some(Selection { keep, score: &score });
-    let mut campaign = Campaign::plan_some(&set, out, backend::choose, selection.as_ref())?;
+    let mut campaign = Campaign::plan_selected(&set, out, backend::choose, selection.as_ref())?;
     let manifest = campaign.manifest();
     let resumed = campaign.finished();
-    console.say(&format!(
+    console.print_message(&format!(
         "{}, {} of {}; at most {:.1} MB in {}{}",
-        counted(manifest.objects.len(), "object"),
-        counted(manifest.grasps, "grasp"),
-        counted(manifest.frames, "frame"),
+        format_count(manifest.objects.len(), "object"),
+        format_count(manifest.grasps, "grasp"),
+        format_count(manifest.frames, "frame"),
         campaign.bytes() as f64 / 1e6,
         out.display(),
         if resumed > 0 { format!("; {resumed} grasps are already finished") } else { String::new() },
     ));
-    for LeftOut { name, reason } in manifest.left_out.iter().take(NOTED) {
+    for ExcludedObject { name, reason } in manifest.left_out.iter().take(MAX_NOTICES) {
         console.warn(&format!("{name}: omitted: {reason}"));
     }
-    for object in manifest.objects.iter().take(NOTED) {
+    for object in manifest.objects.iter().take(MAX_NOTICES) {
         object.notices.iter().for_each(|notice| console.warn(&format!("{}: {notice}", object.name)));
     }
     if args.dry_run {
-        return Ok(OK);
+        return Ok(EXIT_OK);
     }
     let (bytes, grasps) = (campaign.bytes(), manifest.grasps);
     let (own, there) = match args.part {
@@ -158,7 +158,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         let ran = campaign.run_part(part - 1, parts, threads, &bar);
         bar.bar.finish_and_clear();
         let ran = ran.map_err(|error| {
-            kept(error, || {
+            with_kept_note(error, || {
                 let ended = bar.ended.load(Ordering::Relaxed);
                 format!(
                     "{ended} grasps of this part are finished in {}; the same command resumes from there",
@@ -170,18 +170,18 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
             Format::Text => {
                 format!(
                     "part {part} of {parts}: {}; run the command without --part to complete the data set\n",
-                    counted(ran, "grasp")
+                    format_count(ran, "grasp")
                 )
             }
             Format::Json => format!("{}\n", json!({ "part": part, "parts": parts, "computed": ran, "dir": out })),
         };
         console.print(&text)?;
-        return Ok(OK);
+        return Ok(EXIT_OK);
     }
     let manifest = campaign.run(threads, &bar);
     bar.bar.finish_and_clear();
     let manifest = manifest.map_err(|error| {
-        kept(error, || {
+        with_kept_note(error, || {
             let ended = bar.ended.load(Ordering::Relaxed);
             format!("{ended} of {grasps} grasps are finished in {}; the same command resumes from there", out.display())
         })
@@ -192,7 +192,7 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
         None => Vec::new(),
     };
     let text = match args.format {
-        Format::Text => made(&manifest, resumed, wall) + &moved(&spreads),
+        Format::Text => dataset_text(&manifest, resumed, wall) + &sensitivity_text(&spreads),
         Format::Json => {
             let object = json!({
                 "manifest": manifest, "resumed": resumed, "computed": grasps - resumed, "announced_bytes": bytes,
@@ -203,12 +203,12 @@ fn make(args: &DatasetArgs, scene: &Path, out: &Path, console: &dyn Console) -> 
     };
     console.print(&text)?;
     let all = manifest.sum(|o| o.reached) == manifest.grasps;
-    let kept = manifest.objects.iter().flat_map(|o| &o.promises).all(|p| p.worst.held);
-    Ok(if all && kept { OK } else { EXPECTATION_FAILED })
+    let kept = manifest.objects.iter().flat_map(|o| &o.expectations).all(|p| p.worst.held);
+    Ok(if all && kept { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
 /// Parses `I/N`.
-fn part(text: &str) -> std::result::Result<(usize, usize), String> {
+fn parse_part(text: &str) -> std::result::Result<(usize, usize), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| i.parse().ok().zip(n.parse().ok()));
     let inside = numbers.filter(|(i, n): &(usize, usize)| (1..=*n).contains(i));
     inside.ok_or_else(|| "allowed: I/N with I from 1 to N, like 2/8".into())
@@ -217,11 +217,11 @@ fn part(text: &str) -> std::result::Result<(usize, usize), String> {
 /// Applies `--grasps` and `--frames` to all objects.
 pub(super) fn limit(scenes: &mut [NamedScene], grasps: Option<u64>, frames: Option<u64>) -> Result<()> {
     if let Some(most) = grasps {
-        let most = GraspCount::new(most).map_err(|m| refused(&format!("--grasps {m}")))?;
+        let most = GraspCount::new(most).map_err(|m| argument_error(&format!("--grasps {m}")))?;
         scenes.iter_mut().try_for_each(|s| keep_first(&mut s.scene.grasps, most))?;
     }
     if let Some(frames) = frames {
-        scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| refused(&m))?;
+        scenes.iter_mut().try_for_each(|s| s.scene.loading.set_frames(frames)).map_err(|m| argument_error(&m))?;
     }
     Ok(())
 }
@@ -230,7 +230,7 @@ pub(super) fn limit(scenes: &mut [NamedScene], grasps: Option<u64>, frames: Opti
 fn choose(scenes: &mut Vec<NamedScene>, wanted: &[String]) -> Result<()> {
     let names: Vec<_> = scenes.iter().map(|s| s.name.as_str().to_string()).collect();
     if let Some(unknown) = wanted.iter().find(|w| !names.contains(w)) {
-        return Err(refused(&format!("--object {unknown}: the scene has {}", names.join(", "))));
+        return Err(argument_error(&format!("--object {unknown}: the scene has {}", names.join(", "))));
     }
     scenes.retain(|s| wanted.is_empty() || wanted.iter().any(|w| w == s.name.as_str()));
     Ok(())
@@ -248,7 +248,7 @@ struct Bar<'a> {
 
 impl<'a> Bar<'a> {
     fn new(console: &'a dyn Console, grasps: usize, resumed: usize, frames: usize) -> Self {
-        let bar = console.show(ProgressBar::new(((grasps - resumed) * frames) as u64));
+        let bar = console.attach_progress_bar(ProgressBar::new(((grasps - resumed) * frames) as u64));
         // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  {per_sec} frames  {elapsed}, {eta} left") {
             bar.set_style(style);
@@ -257,12 +257,12 @@ impl<'a> Bar<'a> {
     }
 }
 
-impl Watcher for Bar<'_> {
+impl DatasetObserver for Bar<'_> {
     fn frame(&self) {
         self.bar.inc(1);
     }
 
-    fn grasp(&self, object: &str, finished: &Finished) {
+    fn grasp(&self, object: &str, finished: &FinishedGrasp) {
         self.bar.inc(self.frames.saturating_sub(finished.frames) as u64);
         let ended = self.ended.fetch_add(1, Ordering::Relaxed) + 1;
         let failed = usize::from(finished.status != Status::Reached);

@@ -1,6 +1,6 @@
 //! Text report of `tactus dataset`.
 
-use base::number::counted;
+use base::number::format_count;
 use base::stats::median;
 use dataset::Manifest;
 use dataset::sensitivity::SensitivityRow;
@@ -10,7 +10,7 @@ use world::run::sensitivity::CHANGES;
 /// Returns the text report of a data set: a row for each object with its numbers of grasps by status and its size (MB),
 /// then the failed grasps with their reasons, the expectations and their verdicts, and the time per computed grasp.
 /// `resumed` is the number of grasps that an earlier run had computed, `wall` the wall time of this run, s.
-pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
+pub(super) fn dataset_text(manifest: &Manifest, resumed: usize, wall: f64) -> String {
     let mut out = String::from("object            grasps  reached  dropped  fault  infeasible        MB\n");
     // Writing to a String cannot fail.
     for o in &manifest.objects {
@@ -27,8 +27,8 @@ pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
         }
     }
     for o in &manifest.objects {
-        for p in &o.promises {
-            let (verdict, worst) = (p.worst.verdict(), &p.worst);
+        for p in &o.expectations {
+            let (verdict, worst) = (p.worst.label(), &p.worst);
             let by: Vec<String> = p.broken_by.iter().map(usize::to_string).collect();
             let by = if by.is_empty() { String::new() } else { format!(" (grasps {})", by.join(", ")) };
             let _ = writeln!(out, "{verdict}  {:<16} {:<14} at worst {worst}{by}", o.name, worst.name);
@@ -48,7 +48,7 @@ pub(super) fn made(manifest: &Manifest, resumed: usize, wall: f64) -> String {
 /// Returns the text report of a sensitivity study, a line per kind of change: median and largest change of the pad
 /// displacement (%) and of the displacement of the object (mm), over the grasps that reach their load with and without
 /// the change.
-pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
+pub(super) fn sensitivity_text(spreads: &[SensitivityRow]) -> String {
     let mut out = String::new();
     for change in CHANGES {
         let moved = spreads.iter().filter(|s| s.change == change).filter_map(|s| s.displacement.zip(s.object_m));
@@ -63,7 +63,7 @@ pub(super) fn moved(spreads: &[SensitivityRow]) -> String {
             "{}: the pad displacements of {} change by {:.2} % (median) to {:.1} % (largest), the objects move by \
              {:.3} to {:.2} mm",
             change.name(),
-            counted(pads.len(), "grasp"),
+            format_count(pads.len(), "grasp"),
             1e2 * median(pads.iter().copied()),
             1e2 * most(&pads),
             1e3 * median(object.iter().copied()),

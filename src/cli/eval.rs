@@ -1,17 +1,17 @@
 //! Command `tactus eval`: errors of a trained model.
 
 use super::console::Console;
-use super::output::{Format, OK};
+use super::output::{EXIT_OK, Format};
 use super::run::pool;
 use base::error::{Error, Result};
 use base::files::atomic::create_dir;
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use dataset::DataSet;
 use net::eval::acceptance::{Acceptance, acceptances};
 use net::eval::dump;
 use net::eval::table::{ALL, ErrorRow, ranks, rows};
-use net::eval::{GraspEvaluation, evaluate, frames, picture, test_grasps};
+use net::eval::{GraspEvaluation, frames, picture, test_grasps};
 use net::infer::predict::Predictor;
 use net::train::sample::model_of;
 use record::render::save;
@@ -60,10 +60,10 @@ pub struct EvalArgs {
 /// # Errors
 /// Fails if the data set or the model cannot be read, the split is invalid, or a file cannot be written.
 pub fn eval(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
-    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| judged(args, console))
+    pool(args.threads.map_or_else(machine_threads, |n| n as usize))?.install(|| evaluate(args, console))
 }
 
-fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
+fn evaluate(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let set = DataSet::open(&args.data)?;
     let predictor = Predictor::open(&args.model)?;
     let split = args.split.clone().unwrap_or_else(|| predictor.card.split.clone());
@@ -79,7 +79,7 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
         let samples = test_grasps(&set, &predictor, &split, args.extrapolate)?;
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
-    let judged = evaluate(&set, &predictor, &split, args.extrapolate)?;
+    let judged = net::eval::evaluate(&set, &predictor, &split, args.extrapolate)?;
     let mut table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
     let accepted = acceptances(&judged);
@@ -109,7 +109,7 @@ fn judged(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
         }
     };
     console.print(&text)?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }
 
 fn report(
@@ -119,7 +119,7 @@ fn report(
     (stress, displacement): (f64, f64),
     (encode, decode): (f64, f64),
 ) -> String {
-    let mut out = format!("{}; relative errors in %\n", counted(grasps, "grasp"));
+    let mut out = format!("{}; relative errors in %\n", format_count(grasps, "grasp"));
     out += "group                 quantity                  median       p90     worst  frames  within  interval\n";
     // Writing to a String cannot fail.
     for r in table {

@@ -1,9 +1,9 @@
 //! Findings about a scene: as text, with the most important facts first, and as JSON.
 
-use base::number::shown;
+use base::number::format_number;
 use geometry::Aabb;
 use geometry::Pose;
-use geometry::mesh::topology::watertight;
+use geometry::mesh::topology::check_edges;
 use geometry::shape::SurfaceDefinition;
 use glam::DVec3;
 use indicatif::HumanDuration;
@@ -22,10 +22,10 @@ use world::run::expected_time::{EXPECTED_TIME_FACTOR, ExpectedTime};
 pub(super) const MAX_GRASPS: usize = 1000;
 
 /// Largest number of problems that are printed; the JSON lists all.
-const PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Findings about a scene.
-pub(super) struct Found {
+pub(super) struct SceneFindings {
     pub model: Arc<Model>,
     pub systems: Vec<(String, Vec<String>)>,
     pub components: Vec<(String, usize)>,
@@ -39,17 +39,17 @@ pub(super) struct Found {
     pub started: usize,
 }
 
-impl Found {
+impl SceneFindings {
     /// Returns the number of grasps that were closed to first contact.
-    fn tried(&self) -> usize {
+    fn closed_grasps(&self) -> usize {
         self.poses.len().min(MAX_GRASPS)
     }
 
     pub fn json(&self, scene: &Scene, sources: &[PathBuf]) -> Value {
         let m = &self.model;
-        let solid = watertight(&m.object.surface);
-        let own = Aabb::of(m.object.surface.vertices.iter().copied());
-        let held = self.held();
+        let solid = check_edges(&m.object.surface);
+        let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
+        let held = self.object_bounds();
         let corners = |bounds: &Aabb| json!([bounds.min.to_array(), bounds.max.to_array()]);
         let quality = |f: &FingerModel| {
             let q = &f.quality;
@@ -77,7 +77,7 @@ impl Found {
             "path_error": m.path_error,
             "pads": m.pad_reports(),
             "quality": m.fingers.first().map(quality),
-            "right_quality": m.fingers.get(1).filter(|_| !m.alike()).map(quality),
+            "right_quality": m.fingers.get(1).filter(|_| !m.has_equal_pads()).map(quality),
             "expected_s": self.expected.wall_s,
             "expected_processor_s": self.expected.processor_s,
             "object": {
@@ -91,46 +91,46 @@ impl Found {
                 "bounds_in_hand_m": held.as_ref().map(corners),
             },
             "grasps": self.poses.len(),
-            "tried": self.tried(),
+            "tried": self.closed_grasps(),
             "notices": m.notices.iter().chain(&m.pad_notices()).chain(&self.notices).collect::<Vec<_>>(),
             "problems": self.problems,
         })
     }
 
     /// Returns the bounds of the object in the hand frame of the first grasp, m.
-    fn held(&self) -> Option<Aabb> {
+    fn object_bounds(&self) -> Option<Aabb> {
         let pose = self.poses.first().map(Pose::inverse)?;
-        Some(Aabb::of(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
+        Some(Aabb::from_points(self.model.object.surface.vertices.iter().map(|x| pose.rotation * *x + pose.position)))
     }
 
     /// Returns the main facts as comment lines: sizes, positions, expected time, loads and notices.
     pub fn overview(&self) -> String {
         let mut lines = Vec::new();
-        self.first(&mut |text| lines.push(text.to_string()));
+        self.write_overview(&mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
     /// Returns the details as comment lines: the meshes and the unknowns, and all systems and components if `systems`.
     pub fn details(&self, systems: bool) -> String {
         let mut lines = vec![String::new()];
-        self.rest(systems, &mut |text| lines.push(text.to_string()));
+        self.write_details(systems, &mut |text| lines.push(text.to_string()));
         comment(&lines)
     }
 
     /// Returns the problems as comment lines, with the name of the `object` if it is given.
-    pub fn complaints(&self, object: Option<&str>) -> String {
+    pub fn problem_lines(&self, object: Option<&str>) -> String {
         let about = object.map_or_else(String::new, |name| format!("object {name}: "));
-        let shown = self.problems.iter().take(PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
-        let more = self.problems.len().saturating_sub(PROBLEMS);
+        let shown = self.problems.iter().take(MAX_PROBLEMS).map(|problem| format!("problem: {about}{problem}"));
+        let more = self.problems.len().saturating_sub(MAX_PROBLEMS);
         let rest = (more > 0).then(|| format!("problem: {about}{more} more of this kind; --format json lists them"));
         comment(&shown.chain(rest).collect::<Vec<_>>())
     }
 
-    fn first(&self, line: &mut dyn FnMut(&str)) {
+    fn write_overview(&self, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
-        let own = Aabb::of(m.object.surface.vertices.iter().copied());
-        line(&format!("object: {}, {} in its own frame", extent(&own), reach(&own)));
-        if let (Some(pose), Some(held)) = (self.poses.first(), self.held()) {
+        let own = Aabb::from_points(m.object.surface.vertices.iter().copied());
+        line(&format!("object: {}, {} in its own frame", extent(&own), format_box(&own)));
+        if let (Some(pose), Some(held)) = (self.poses.first(), self.object_bounds()) {
             // Adding zero turns -0 into +0.
             let (p, q) = (pose.position * 1e3 + DVec3::ZERO, pose.rotation);
             line(&format!(
@@ -140,7 +140,7 @@ impl Found {
             ));
             line(&format!(
                 "in the hand frame of grasp 0: {}; fingers close along x, the hand approaches along z",
-                reach(&held)
+                format_box(&held)
             ));
         }
         let all = if self.poses.len() == 1 { "1 grasp".into() } else { format!("{} grasps", self.poses.len()) };
@@ -150,7 +150,7 @@ impl Found {
             duration(processor_s),
             duration(wall_s)
         ));
-        let solid = watertight(&m.object.surface);
+        let solid = check_edges(&m.object.surface);
         line(&format!(
             "{}: {}, {}, volume {:.2} cm3, mass {:.2} g, {}",
             m.object.name,
@@ -159,7 +159,7 @@ impl Found {
                 SurfaceDefinition::Facets => "distance to its facets",
                 SurfaceDefinition::Smooth(_) => "distance to a smooth surface through its mesh",
             },
-            solid.complaint().unwrap_or_else(|| "watertight".into()),
+            solid.defect_message().unwrap_or_else(|| "watertight".into()),
             m.object.mass.volume * 1e6,
             m.mass * 1e3,
             if m.free { "free" } else { "fixed" },
@@ -178,12 +178,12 @@ impl Found {
         }
         line(&format!(
             "contact: active at gaps below {} m; all lengths of the contact method are multiples of this gap",
-            shown(m.offset)
+            format_number(m.offset)
         ));
         if let Some(path) = m.path_error {
             line(&format!("path: the increments are chosen for a relative path error of {path:e} of the displacement"));
         }
-        let (all, tried) = (self.poses.len(), self.tried());
+        let (all, tried) = (self.poses.len(), self.closed_grasps());
         let untried = if tried < all { format!("; {} more were not checked", all - tried) } else { String::new() };
         line(&format!("{} of {tried} grasps can start{untried}", self.started));
         m.notices
@@ -193,11 +193,11 @@ impl Found {
             .for_each(|notice| line(&format!("note: {notice}")));
     }
 
-    fn rest(&self, systems: bool, line: &mut dyn FnMut(&str)) {
+    fn write_details(&self, systems: bool, line: &mut dyn FnMut(&str)) {
         let m = &self.model;
-        for (side, finger) in m.fingers.iter().enumerate().take(if m.alike() { 1 } else { 2 }) {
+        for (side, finger) in m.fingers.iter().enumerate().take(if m.has_equal_pads() { 1 } else { 2 }) {
             let (q, c) = (&finger.quality, finger.quality.worst_centroid * 1e3);
-            let name = if m.alike() { "pad".into() } else { format!("{} pad", pad_name(side)) };
+            let name = if m.has_equal_pads() { "pad".into() } else { format!("{} pad", pad_name(side)) };
             line(&format!(
                 "{name} mesh: mean ratio {:.3} on average, worst {:.3} in tetrahedron {} at ({:.3}, {:.3}, {:.3}) mm of the pad; edges {:.3} to {:.3} mm",
                 q.mean,
@@ -252,7 +252,7 @@ fn extent(bounds: &Aabb) -> String {
 }
 
 /// Formats the corners of a box.
-fn reach(bounds: &Aabb) -> String {
+fn format_box(bounds: &Aabb) -> String {
     let [low, high] =
         [bounds.min, bounds.max].map(|x| x * 1e3).map(|x| format!("({:.1}, {:.1}, {:.1})", x.x, x.y, x.z));
     format!("from {low} to {high} mm")

@@ -2,7 +2,7 @@
 //! force against depth.
 
 use super::console::Console;
-use super::output::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format};
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_atomic};
 use base::machine::machine_threads;
@@ -55,11 +55,11 @@ pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
     }
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     args.out.as_deref().map_or(Ok(()), create_dir)?;
-    let bar = console.show(ProgressBar::new_spinner());
+    let bar = console.attach_progress_bar(ProgressBar::new_spinner());
     bar.enable_steady_tick(Duration::from_millis(200));
     let report = fit::fit(&loaded.scene, &curve, &ranges, threads, |text| bar.set_message(text.to_string()));
     bar.finish_and_clear();
-    let report = report.map_err(|e| loaded.place(e))?;
+    let report = report.map_err(|e| loaded.locate_error(e))?;
     let json = serde_json::to_string_pretty(&report)
         .map_err(|e| Error::Solver(format!("the report cannot be written as JSON: {e}")))?
         + "\n";
@@ -68,5 +68,5 @@ pub fn fit(args: &FitArgs, console: &dyn Console) -> Result<u8> {
         chart::save_chart(&report, dir)?;
     }
     console.print(&if args.format == Format::Json { json } else { report.text() })?;
-    Ok(if report.converged() { OK } else { EXPECTATION_FAILED })
+    Ok(if report.converged() { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }

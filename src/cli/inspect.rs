@@ -1,10 +1,10 @@
 //! Command `tactus dataset inspect`: contents and integrity of a data set.
 
 use super::console::Console;
-use super::output::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format};
 use base::error::Result;
 use base::files::atomic::create_dir;
-use base::number::counted;
+use base::number::format_count;
 use dataset::DataSet;
 use dataset::inspect::{self, Inspection, InspectionSampling};
 use std::fmt::Write;
@@ -45,7 +45,7 @@ pub fn inspect(args: &InspectArgs, console: &dyn Console) -> Result<u8> {
         Format::Json => format!("{}\n", serde_json::json!({"manifest": set.manifest, "inspection": found})),
     };
     console.print(&text)?;
-    Ok(if found.damaged.is_empty() { OK } else { EXPECTATION_FAILED })
+    Ok(if found.damaged.is_empty() { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
 fn render(set: &DataSet, found: &Inspection) -> String {
@@ -56,10 +56,10 @@ fn render(set: &DataSet, found: &Inspection) -> String {
     let _ = writeln!(
         out,
         "{}, {} ({} reached), {} each, {:.1} MB; tactus {}\n",
-        counted(m.objects.len(), "object"),
-        counted(m.grasps, "grasp"),
+        format_count(m.objects.len(), "object"),
+        format_count(m.grasps, "grasp"),
         m.sum(|o| o.reached),
-        counted(m.frames, "frame"),
+        format_count(m.frames, "frame"),
         m.bytes as f64 / 1e6,
         m.tactus
     );
@@ -80,10 +80,10 @@ fn render(set: &DataSet, found: &Inspection) -> String {
     }
     for o in found.objects.iter().filter(|o| !o.failures.is_empty()) {
         o.failures.iter().for_each(|f| {
-            let _ = writeln!(out, "{} grasp {} ({}): {}", o.name, f.grasp, counted(f.frames, "frame"), f.reason);
+            let _ = writeln!(out, "{} grasp {} ({}): {}", o.name, f.grasp, format_count(f.frames, "frame"), f.reason);
         });
     }
-    let (s, t) = (&set.splits, |poses: &dataset::split::Poses| set.select(poses).len());
+    let (s, t) = (&set.splits, |poses: &dataset::split::GraspNumbers| set.select(poses).len());
     let _ =
         writeln!(out, "\nsplit of the poses (reached grasps): {} train, {} test", t(&s.poses.train), t(&s.poses.test));
     for damage in &found.damaged {

@@ -35,7 +35,7 @@ pub use dataset::{DatasetArgs, DatasetCommand};
 pub use eval::EvalArgs;
 pub use fit::FitArgs;
 pub use inspect::InspectArgs;
-pub use output::{EXPECTATION_FAILED, Format, OK, REFUSED};
+pub use output::{EXIT_ERROR, EXIT_EXPECTATION_FAILED, EXIT_OK, Format};
 pub use predict::PredictArgs;
 pub use report::ReportArgs;
 pub use run::RunArgs;
@@ -64,7 +64,7 @@ impl Cli {
         match (self.quiet, self.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
-            _ => Verbosity::Usual,
+            _ => Verbosity::Normal,
         }
     }
 }
@@ -121,13 +121,13 @@ pub fn main() -> ExitCode {
             let plain = text.starts_with("error:") || matches!(error, Error::Interrupted(_));
             let start = if plain { "" } else { "error: " };
             Terminal::fail(&format!("{start}{text}"));
-            ExitCode::from(REFUSED)
+            ExitCode::from(EXIT_ERROR)
         }
     }
 }
 
 /// Prints the last message of a command that is ended after a signal because it did not check the stop flag in time.
-fn last_words() {
+fn print_interrupted() {
     // A failure to write is ignored: the terminal may have been closed.
     Terminal::fail("\ninterrupted; files that were being written keep their previous contents");
 }
@@ -137,7 +137,7 @@ fn on_terminal(cli: &Cli) -> Result<u8> {
     let short =
         matches!(cli.command, Command::Check(_) | Command::Report(_) | Command::Completions(_) | Command::Man(_));
     if !short {
-        interrupt::on_signals(REFUSED, last_words)?;
+        interrupt::on_signals(EXIT_ERROR, print_interrupted)?;
     }
     cli.command.run(&Terminal(cli.verbosity()))
 }

@@ -4,11 +4,11 @@ use base::error::Error;
 use clap::ValueEnum;
 
 /// Exit code for success: everything requested was done and every expectation holds.
-pub const OK: u8 = 0;
+pub const EXIT_OK: u8 = 0;
 /// Exit code for a scene that ran, but of which an expectation does not hold or a grasp failed.
-pub const EXPECTATION_FAILED: u8 = 1;
+pub const EXIT_EXPECTATION_FAILED: u8 = 1;
 /// Exit code for invalid arguments or files, other errors and interruptions.
-pub const REFUSED: u8 = 2;
+pub const EXIT_ERROR: u8 = 2;
 
 /// Format of the output on stdout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -21,7 +21,7 @@ pub enum Format {
 }
 
 /// Returns `error`; if it is an interruption, its message states what is kept.
-pub(super) fn kept(error: Error, kept: impl FnOnce() -> String) -> Error {
+pub(super) fn with_kept_note(error: Error, kept: impl FnOnce() -> String) -> Error {
     match error {
         Error::Interrupted(_) => Error::Interrupted(format!("interrupted; {}", kept())),
         other => other,

@@ -2,14 +2,14 @@
 
 use super::console::Console;
 use super::dataset::limit;
-use super::output::{EXPECTATION_FAILED, Format, OK};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format};
 use super::run::pool;
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, replace};
 use base::machine::machine_threads;
-use base::number::counted;
+use base::number::format_count;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use ndarray::IxDyn;
 use ndarray_npy::NpzWriter;
 use net::DEFAULT_MODEL;
@@ -81,22 +81,22 @@ struct Report {
 struct Row {
     grasp: usize,
     #[serde(flatten)]
-    end: End,
+    end: GraspOutcome,
 }
 
 /// Result of a grasp.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-enum End {
+enum GraspOutcome {
     /// Prediction of the network.
-    Answer(Answer),
+    Answer(LastLoadSummary),
     /// Reason why there is no prediction.
     Failed { reason: String },
 }
 
 /// Summary of a grasp at its last load.
 #[derive(Debug, Serialize)]
-struct Answer {
+struct LastLoadSummary {
     travel_mm: f64,
     displacement_mm: f64,
     stress_kpa: Option<f64>,
@@ -109,7 +109,7 @@ struct Answer {
 /// # Errors
 /// Fails if the scene, the model or an argument is invalid, or the file cannot be written.
 pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
-    let mut set = load_set(&args.scene)?.only(args.object.as_deref())?;
+    let mut set = load_set(&args.scene)?.retain_object(args.object.as_deref())?;
     limit(&mut set.scenes, args.grasps, args.frames)?;
     let threads = args.threads.map_or_else(machine_threads, |n| n as usize);
     let pool = pool(threads)?;
@@ -124,7 +124,7 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     let mut reports = Vec::new();
     for named in &set.scenes {
         let report =
-            pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.place(e, &named.name))?;
+            pool.install(|| object(args, &predictor, named, threads)).map_err(|e| set.locate_error(e, &named.name))?;
         report.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
         if args.format == Format::Text {
             console.print(&report.text())?;
@@ -134,8 +134,8 @@ pub fn predict(args: &PredictArgs, console: &dyn Console) -> Result<u8> {
     if args.format == Format::Json {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
-    let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, End::Answer(_)));
-    Ok(if good { OK } else { EXPECTATION_FAILED })
+    let good = reports.iter().flat_map(|report| &report.grasps).all(|row| matches!(row.end, GraspOutcome::Answer(_)));
+    Ok(if good { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
 /// Returns the path of the array file of an object; None without an output folder.
@@ -145,8 +145,8 @@ fn arrays_of(args: &PredictArgs, named: &NamedScene) -> Option<PathBuf> {
 
 /// Predicts the grasps of an object.
 fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads: usize) -> Result<Report> {
-    let model = Model::build(&named.scene.on_own_mesh())?;
-    let poses = poses_of(&named.scene)?;
+    let model = Model::build(&named.scene.without_finer_mesh())?;
+    let poses = grasp_poses(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of new pads is computed here, outside the measured time of a grasp.
     predictor.graph_if_some_force_in_range(&model, extrapolate)?;
@@ -154,7 +154,8 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
         predictor.answerable_loads(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();
     let answers = predictor.predict_batch(&model, &poses, extrapolate)?;
-    let grasps = answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: End::of(answer) }).collect();
+    let grasps =
+        answers.par_iter().enumerate().map(|(grasp, answer)| Row { grasp, end: GraspOutcome::of(answer) }).collect();
     let wall_s = clock.elapsed().as_secs_f64();
     if let (Some(dir), Some(path)) = (&args.out, arrays_of(args, named)) {
         create_dir(dir).and_then(|()| replace(&path, |path| write(path, &model, &loads, &answers)))?;
@@ -180,7 +181,7 @@ impl Report {
         for Row { grasp, end } in &self.grasps {
             // Writing to a String cannot fail.
             let _ = match end {
-                End::Answer(end) => writeln!(
+                GraspOutcome::Answer(end) => writeln!(
                     text,
                     "{grasp:>5}  {:>9.3}  {:>15.3}  {:>10}  {:>10.2}  {}",
                     end.travel_mm,
@@ -192,39 +193,39 @@ impl Report {
                         _ => "unknown".into(),
                     },
                 ),
-                End::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
+                GraspOutcome::Failed { reason } => writeln!(text, "{grasp:>5}  {reason}"),
             };
         }
-        let answered = self.grasps.iter().filter(|row| matches!(row.end, End::Answer(_))).count();
+        let answered = self.grasps.iter().filter(|row| matches!(row.end, GraspOutcome::Answer(_))).count();
         let _ = writeln!(
             text,
             "{answered} of {} grasps in {:.2} s on {}, {:.0} per second; {} each, {:.1} of them decoded",
             self.grasps.len(),
             self.wall_s,
-            counted(self.threads, "thread"),
+            format_count(self.threads, "thread"),
             self.grasps_per_s,
-            counted(self.loads, "load"),
+            format_count(self.loads, "load"),
             self.decoded_loads
         );
         text
     }
 }
 
-impl End {
+impl GraspOutcome {
     fn of(answer: &Result<PredictedGrasp>) -> Self {
         let last = |answer: &PredictedGrasp| {
             answer.interpolation.len().checked_sub(1).and_then(|last| answer.interpolation.at(last))
         };
         match answer.as_ref().map(|answer| (slip_reason(answer.friction_margin), last(answer))) {
             Ok((Some(reason), _)) => Self::Failed { reason },
-            Ok((None, Some(state))) => Self::Answer(Answer::of(&state)),
+            Ok((None, Some(state))) => Self::Answer(LastLoadSummary::of(&state)),
             Ok((None, None)) => Self::Failed { reason: "there is no load".into() },
             Err(error) => Self::Failed { reason: error.to_string() },
         }
     }
 }
 
-impl Answer {
+impl LastLoadSummary {
     fn of(state: &GraspState) -> Self {
         let most = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0, f64::max);
         let stress = most(&mut state.pads.iter().flat_map(|p| &p.stress).copied());

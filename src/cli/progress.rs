@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use base::error::Result;
-use base::number::shown;
+use base::number::format_number;
 use indicatif::{ProgressBar, ProgressStyle};
 use record::Frame;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,14 +23,14 @@ impl<'c> RunProgress<'c> {
     /// Creates an observer with a progress bar on `console` of one step for each of the `frames` of each of the
     /// `grasps`. It also prints a line for each frame if the console requests details.
     pub fn new(console: &'c dyn Console, grasps: usize, frames: usize) -> Self {
-        let bar = console.show(ProgressBar::new((grasps * frames) as u64));
+        let bar = console.attach_progress_bar(ProgressBar::new((grasps * frames) as u64));
         // The template is a constant; if it were invalid, the default style would be used.
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} frame {pos}/{len}  {msg}  {elapsed}") {
             bar.set_style(style);
         }
         Self {
             bar,
-            follower: console.follows().then_some(console),
+            follower: console.is_verbose().then_some(console),
             frames,
             ended: AtomicUsize::new(0),
             clock: Instant::now(),
@@ -50,7 +50,7 @@ fn line(grasp: usize, frame: &Frame) -> String {
     format!(
         "grasp {grasp} frame {}: {} N, travel {} mm, {} iterations, residual {:.1e} N, force balance {:.1e}, gap {:.2} um, det F from {:.3}",
         frame.index,
-        shown(frame.applied_force),
+        format_number(frame.applied_force),
         travel.join(" and "),
         frame.newton_iterations,
         frame.residual,
@@ -63,7 +63,7 @@ fn line(grasp: usize, frame: &Frame) -> String {
 impl Observer for RunProgress<'_> {
     fn frame(&self, index: usize, frame: &Frame) -> Result<()> {
         if let Some(console) = self.follower {
-            self.bar.suspend(|| console.say(&line(index, frame)));
+            self.bar.suspend(|| console.print_message(&line(index, frame)));
         }
         self.bar.inc(1);
         Ok(())

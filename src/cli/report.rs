@@ -1,10 +1,10 @@
 //! Command `tactus report`: writes results as one self-contained HTML page.
 
 use super::console::Console;
-use super::output::{Format, OK};
+use super::output::{EXIT_OK, Format};
 use base::error::Result;
 use base::files::atomic::{create_dir, write_atomic};
-use report::{FRAMES, ReportOptions, report};
+use report::{DEFAULT_FRAMES, ReportOptions, report};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub grasps: usize,
     /// Largest number of frames of each grasp, evenly spread.
-    #[arg(long, value_name = "N", default_value_t = FRAMES as u64, value_parser = clap::value_parser!(u64).range(1..=10000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES as u64, value_parser = clap::value_parser!(u64).range(1..=10000))]
     pub frames: u64,
     /// Output file.
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
@@ -62,5 +62,5 @@ pub fn report_page(args: &ReportArgs, console: &dyn Console) -> Result<u8> {
         Format::Json => format!("{}\n", json!({ "page": args.out, "bytes": html.len(), "grasps": grasps })),
     };
     console.print(&text)?;
-    Ok(OK)
+    Ok(EXIT_OK)
 }

@@ -1,10 +1,10 @@
 //! Command `tactus run`: simulates the grasps of a scene.
 
 use super::console::Console;
-use super::output::{EXPECTATION_FAILED, Format, OK, kept};
+use super::output::{EXIT_EXPECTATION_FAILED, EXIT_OK, Format, with_kept_note};
 use super::progress::RunProgress;
 use super::table;
-use super::watch::{WatchArgs, folder, watched};
+use super::watch::{WatchArgs, folder, run_watched};
 use backend::simulate::Simulation;
 use base::error::{Error, Result};
 use scene::{Backend, LoadedSet, Overrides, Scene, load_set};
@@ -76,7 +76,7 @@ impl RunArgs {
     /// # Errors
     /// Fails if the scene file or an argument is invalid, or no object has the requested name.
     pub fn load(&self) -> Result<LoadedSet> {
-        let mut set = load_set(&self.scene)?.only(self.object.as_deref())?;
+        let mut set = load_set(&self.scene)?.retain_object(self.object.as_deref())?;
         let overrides = Overrides {
             backend: self.backend,
             model: self.model.clone(),
@@ -90,14 +90,14 @@ impl RunArgs {
         };
         set.scenes.iter_mut().try_for_each(|named| overrides.apply(&mut named.scene))?;
         if self.sensitivity {
-            set.needs_alike("a sensitivity")?;
+            set.require_equal_pads("a sensitivity")?;
         }
         Ok(set)
     }
 }
 
 /// Returns the error of an invalid argument.
-pub(super) fn refused(message: &str) -> Error {
+pub(super) fn argument_error(message: &str) -> Error {
     Error::Argument(message.into())
 }
 
@@ -113,7 +113,7 @@ pub fn run(args: &RunArgs, console: &dyn Console) -> Result<u8> {
     }
     let (out, _kept) = folder(args.out.as_deref())?;
     let args = RunArgs { out: Some(out.clone()), ..args.clone() };
-    watched(&args.watch, &out, console, || run_set(&args, &set, console))
+    run_watched(&args.watch, &out, console, || run_set(&args, &set, console))
 }
 
 fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8> {
@@ -121,8 +121,8 @@ fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8>
     for named in &set.scenes {
         let name = named.name.as_str();
         let out = args.out.as_ref().map(|dir| if several { dir.join(name) } else { dir.clone() });
-        let (text, held) = run_object(args, &named.scene, out.as_deref(), console.ends() && !several, console)
-            .map_err(|e| set.place(e, &named.name))
+        let (text, held) = run_object(args, &named.scene, out.as_deref(), console.ends_process() && !several, console)
+            .map_err(|e| set.locate_error(e, &named.name))
             .map_err(|e| if several { with_object_name(name, &e) } else { e })?;
         good &= held;
         match args.format {
@@ -134,7 +134,7 @@ fn run_set(args: &RunArgs, set: &LoadedSet, console: &dyn Console) -> Result<u8>
     if several && args.format == Format::Json {
         console.print(&format!("{:#}\n", json!({ "objects": reports })))?;
     }
-    Ok(if good { OK } else { EXPECTATION_FAILED })
+    Ok(if good { EXIT_OK } else { EXIT_EXPECTATION_FAILED })
 }
 
 /// Returns the error with the name of the object that it concerns.
@@ -145,8 +145,8 @@ pub(super) fn with_object_name(name: &str, error: &Error) -> Error {
 
 /// Returns a JSON report with the name of its object added.
 fn with_name(name: &str, text: &str) -> Result<Value> {
-    let mut report: Value =
-        serde_json::from_str(text).map_err(|e| refused(&format!("the report of {name} is not valid JSON: {e}")))?;
+    let mut report: Value = serde_json::from_str(text)
+        .map_err(|e| argument_error(&format!("the report of {name} is not valid JSON: {e}")))?;
     report["name"] = json!(name);
     Ok(report)
 }
@@ -169,7 +169,7 @@ fn run_object(
     let simulated = simulation.run(writer, args.sensitivity, &watch);
     let ended = watch.finish();
     let simulated = simulated.map_err(|error| {
-        kept(error, || {
+        with_kept_note(error, || {
             let place = args.out.as_ref().map_or_else(String::new, |dir| format!(" in {}", dir.display()));
             format!("{ended} of {grasps} grasps are finished{place}")
         })

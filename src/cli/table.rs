@@ -1,10 +1,10 @@
 //! Text report of a run.
 
 use backend::simulate::SimulationResult;
-use base::number::shown;
+use base::number::format_number;
 use geometry::Pose;
 use mech::path::continuation::MethodCounts;
-use model::judge::Verdict;
+use model::evaluation::Verdict;
 use record::RunReport;
 use scene::{Expectation, Scene, StepperChoice};
 use std::fmt::Write;
@@ -35,9 +35,9 @@ pub fn render(scene: &Scene, grasps: &[(usize, Pose)], simulated: &SimulationRes
     if !verdicts.is_empty() {
         out.push('\n');
         if let StepperChoice::Gnn(_) = scene.stepper {
-            let _ = writeln!(out, "expectations from {}:", scene.promised_in());
+            let _ = writeln!(out, "expectations from {}:", scene.expectations_source());
         }
-        scene.promises().iter().zip(verdicts).for_each(|(e, h)| expectation(&mut out, e, h));
+        scene.expectations().iter().zip(verdicts).for_each(|(e, h)| expectation(&mut out, e, h));
     }
     profile(&mut out, outcomes, report, *wall_s);
     out
@@ -53,7 +53,7 @@ fn rows(out: &mut String, grasps: &[(usize, Pose)], outcomes: &[Outcome]) {
     );
     for ((index, _), o) in grasps.iter().zip(outcomes) {
         let s = &o.summary;
-        let status = s.status.word();
+        let status = s.status.as_str();
         let optional = |value: Option<f64>, scale: f64, digits: usize| {
             value.filter(|v| v.is_finite()).map_or("-".into(), |v| format!("{:.digits$}", v * scale))
         };
@@ -89,7 +89,7 @@ fn rows(out: &mut String, grasps: &[(usize, Pose)], outcomes: &[Outcome]) {
                     1e2 * pads,
                     1e3 * object
                 ),
-                None => writeln!(out, "       {}: {}", moved.change.name(), moved.status.word()),
+                None => writeln!(out, "       {}: {}", moved.change.name(), moved.status.as_str()),
             };
         }
     }
@@ -98,9 +98,9 @@ fn rows(out: &mut String, grasps: &[(usize, Pose)], outcomes: &[Outcome]) {
 fn expectation(out: &mut String, expectation: &Expectation, held: &Verdict) {
     let mut text = held.to_string();
     if let Expectation::ForceAt(at) = expectation {
-        let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), shown(1e3 * at.depth.get()));
+        let _ = write!(text, " (+-{} %) at {} mm", 100.0 * at.relative.get(), format_number(1e3 * at.depth.get()));
     }
-    let _ = writeln!(out, "{}  {:<14} {text}", held.verdict(), held.name);
+    let _ = writeln!(out, "{}  {:<14} {text}", held.label(), held.name);
 }
 
 fn profile(out: &mut String, outcomes: &[Outcome], report: &RunReport, wall: f64) {

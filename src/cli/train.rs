@@ -1,9 +1,9 @@
 //! Command `tactus train`: trains a network on a data set.
 
 use super::console::Console;
-use super::output::{Format, OK, kept};
+use super::output::{EXIT_OK, Format, with_kept_note};
 use super::run::pool;
-use super::watch::{WatchArgs, watched};
+use super::watch::{WatchArgs, run_watched};
 use base::error::Result;
 use base::machine::machine_threads;
 use dataset::DataSet;
@@ -47,7 +47,7 @@ pub struct TrainArgs {
 /// Fails if the data set or the model file cannot be read, the split is invalid, or a file cannot be written.
 pub fn train(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let pool = pool(args.threads.map_or_else(machine_threads, |n| n as usize))?;
-    watched(&args.watch, &args.out, console, || pool.install(|| run(args, console)))
+    run_watched(&args.watch, &args.out, console, || pool.install(|| run(args, console)))
 }
 
 fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
@@ -57,12 +57,12 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     trainer.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();
-    console.say(&format!(
+    console.print_message(&format!(
         "{} parameters; {training} grasps for training, {validation} for early stopping{}",
         trainer.card().parameters,
         if resumed > 0 { format!("; {resumed} epochs are already finished") } else { String::new() }
     ));
-    let bar = console.show(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
+    let bar = console.attach_progress_bar(ProgressBar::new((spec.training.epochs.get() - resumed) as u64));
     // The template is a constant; if it were invalid, the default style would be used.
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}  epoch {pos}/{len}  {elapsed}, {eta} left") {
         bar.set_style(style);
@@ -76,7 +76,7 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     });
     bar.finish_and_clear();
     let end = end.map_err(|error| {
-        kept(error, || {
+        with_kept_note(error, || {
             let (done, all) = (trainer.epochs().len(), spec.training.epochs.get());
             format!("{done} of {all} epochs are saved in {}; the same command resumes from there", args.out.display())
         })
@@ -106,5 +106,5 @@ fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     };
     console.print(&text)?;
     card.unknown_error().iter().for_each(|notice| console.warn(&format!("note: {notice}")));
-    Ok(OK)
+    Ok(EXIT_OK)
 }

@@ -1,13 +1,13 @@
 //! Command `tactus view`: a page in the browser that shows results while they are written.
 
 use super::console::Console;
-use super::output::{Format, OK};
-use super::run::{RunArgs, refused, run};
-use super::watch::{GRASPS, folder, open_browser};
+use super::output::{EXIT_OK, Format};
+use super::run::{RunArgs, argument_error, run};
+use super::watch::{DEFAULT_GRASPS, folder, open_browser};
 use base::error::{Error, Result};
 use base::files::lock::is_held;
 use report::view::Viewer;
-use report::{FRAMES, ReportOptions, holds_results};
+use report::{DEFAULT_FRAMES, ReportOptions, holds_results};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -30,7 +30,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "DIR")]
     pub model: Option<PathBuf>,
     /// Largest number of grasps shown in 3-D, evenly spread over all.
-    #[arg(long, value_name = "N", default_value_t = GRASPS)]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_GRASPS)]
     pub grasps: usize,
     /// Format of the address on stdout, and of the report of a scene.
     #[arg(long, value_enum, default_value_t)]
@@ -44,7 +44,7 @@ pub struct ViewArgs {
 pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     let scene = args.path.extension().is_some_and(|ending| ending == "ron");
     if !scene && args.out.is_some() {
-        return Err(refused("-o DIR is the folder of the results of a scene, and is allowed with a scene only"));
+        return Err(argument_error("-o DIR is the folder of the results of a scene, and is allowed with a scene only"));
     }
     if !scene && !holds_results(&args.path) && !is_held(&args.path) {
         let message = "contains no results to show; allowed: a folder that `tactus run`, `dataset`, `train` or `bench` \
@@ -58,7 +58,7 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     if scene {
         run_args.load()?;
     }
-    let wishes = ReportOptions { model: args.model.clone(), split: None, grasps: args.grasps, frames: FRAMES };
+    let wishes = ReportOptions { model: args.model.clone(), split: None, grasps: args.grasps, frames: DEFAULT_FRAMES };
     let viewer = Viewer::start(out, wishes, args.port)?;
     let address = viewer.address();
     console.print(&match args.format {
@@ -68,7 +68,7 @@ pub fn view(args: &ViewArgs, console: &dyn Console) -> Result<u8> {
     if args.open {
         open_browser(&address, console);
     }
-    let code = if scene { run(&run_args, console)? } else { OK };
+    let code = if scene { run(&run_args, console)? } else { EXIT_OK };
     viewer.wait();
     Ok(code)
 }

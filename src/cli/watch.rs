@@ -3,12 +3,12 @@
 use super::console::Console;
 use base::error::{Error, Result};
 use report::view::Viewer;
-use report::{FRAMES, ReportOptions};
+use report::{DEFAULT_FRAMES, ReportOptions};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Default number of grasps in 3-D.
-pub(super) const GRASPS: usize = 8;
+pub(super) const DEFAULT_GRASPS: usize = 8;
 
 /// Arguments of commands that have `--watch`.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -27,7 +27,7 @@ pub struct WatchArgs {
 ///
 /// # Errors
 /// Fails if the port is taken or `work` fails; an error also ends the page.
-pub(super) fn watched(
+pub(super) fn run_watched(
     args: &WatchArgs,
     dir: &Path,
     console: &dyn Console,
@@ -36,15 +36,15 @@ pub(super) fn watched(
     if !args.watch {
         return work();
     }
-    let wishes = ReportOptions { model: None, split: None, grasps: GRASPS, frames: FRAMES };
+    let wishes = ReportOptions { model: None, split: None, grasps: DEFAULT_GRASPS, frames: DEFAULT_FRAMES };
     let viewer = Viewer::start(dir.to_path_buf(), wishes, args.port)?;
     let address = viewer.address();
-    console.say(&format!("{} is shown at {address}", dir.display()));
+    console.print_message(&format!("{} is shown at {address}", dir.display()));
     if std::io::stderr().is_terminal() && has_display() {
         open_browser(&address, console);
     }
     let code = work()?;
-    console.say(&format!("{address} is available until Ctrl-C"));
+    console.print_message(&format!("{address} is available until Ctrl-C"));
     viewer.wait();
     Ok(code)
 }

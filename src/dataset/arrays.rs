@@ -84,7 +84,7 @@ impl FileSizes {
             nodes: pads().map(|pad| pad.rest.len()).max().unwrap_or(0),
             corners: pads().map(|pad| pad.corner_count).sum(),
             tets: pads().map(|pad| pad.elements.len()).sum(),
-            tactile: model.senses.iter().map(|sense| TactileLayout::of(sense.spec())).collect(),
+            tactile: model.sensors.iter().map(|sense| TactileLayout::of(sense.spec())).collect(),
         })
     }
 

@@ -1,19 +1,19 @@
 //! Creation of a data set: simulates objects and their grasps in parallel, and resumes an interrupted run.
 
 use super::arrays::{FORMAT, FileSizes};
-use super::compatible::{World, sensor};
-use super::file::{Writer, lay_out};
-use super::manifest::{LeftOut, MANIFEST, Manifest, ObjectEntry};
-use super::plan::{Planned, PlannedPads, Selection, plan_hash};
-use super::progress::{self, Finished, Progress};
+use super::compatible::{LoaderFrame, sensor};
+use super::file::{Writer, create};
+use super::manifest::{ExcludedObject, MANIFEST_NAME, Manifest, ObjectEntry};
+use super::plan::{PlannedObject, PlannedPads, Selection, plan_hash};
+use super::progress::{self, FinishedGrasp, ProgressRecords};
 use super::queue::longest_first;
-use super::recorder::{DatasetRecorder, Watcher};
+use super::recorder::{DatasetObserver, DatasetRecorder};
 use super::rows::Encoder;
 use super::sensitivity::{self, SensitivityRow};
 use super::split::Splits;
 use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, create_dir, remove_temporary_files, sync_folder, write_durable};
-use base::files::lock::{FolderLock, Turn};
+use base::files::lock::{FolderLock, WriteLock};
 use base::interrupt;
 use geometry::mesh::io::{write_stl, write_tet};
 use model::Model;
@@ -30,7 +30,7 @@ use world::run::run_grasps;
 #[derive(Debug)]
 pub struct Campaign {
     dir: PathBuf,
-    objects: Vec<Planned>,
+    objects: Vec<PlannedObject>,
     splits: Splits,
     manifest: Manifest,
     choose: StepperFactory,
@@ -43,26 +43,26 @@ impl Campaign {
     /// # Errors
     /// Fails if a scene cannot be built or the folder holds another data set.
     pub fn plan(set: &LoadedSet, dir: &Path, choose: StepperFactory) -> Result<Self> {
-        Self::plan_some(set, dir, choose, None)
+        Self::plan_selected(set, dir, choose, None)
     }
 
     /// Plans a data set that contains only the grasps chosen by `selection`.
     ///
     /// # Errors
     /// Fails as [`Campaign::plan`] does, and if a score cannot be computed.
-    pub fn plan_some(
+    pub fn plan_selected(
         set: &LoadedSet,
         dir: &Path,
         choose: StepperFactory,
         selection: Option<&Selection>,
     ) -> Result<Self> {
         let first = set.scenes.first().ok_or_else(|| Error::Start("the scene has no object".into()))?;
-        let pads = PlannedPads::of(&first.scene).map_err(|e| set.place(e, &first.name))?;
+        let pads = PlannedPads::of(&first.scene).map_err(|e| set.locate_error(e, &first.name))?;
         let planned = set.scenes.par_iter().map(|named| {
             interrupt::check()?;
-            match Planned::new(named, (&first.scene, &pads)) {
-                Err(error) if set.drawn => Ok(Err(LeftOut::new(&named.name, &error))),
-                planned => planned.map(Ok).map_err(|e| set.place(e, &named.name)),
+            match PlannedObject::new(named, (&first.scene, &pads)) {
+                Err(error) if set.drawn => Ok(Err(ExcludedObject::new(&named.name, &error))),
+                planned => planned.map(Ok).map_err(|e| set.locate_error(e, &named.name)),
             }
         });
         let (mut objects, mut entries, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
@@ -114,7 +114,7 @@ impl Campaign {
                 if !earlier.objects.iter().map(entry).eq(self.manifest.objects.iter().map(entry)) {
                     let message = "does not list the objects of its plan: it was changed or damaged; restore it from a \
                         copy, or remove the folder and generate the data set again";
-                    return Err(Error::file(self.dir.join(MANIFEST), message));
+                    return Err(Error::file(self.dir.join(MANIFEST_NAME), message));
                 }
                 self.manifest = earlier;
                 Ok(())
@@ -130,14 +130,14 @@ impl Campaign {
     }
 
     /// Fails if the part of the files that is not on the disk yet does not fit on it.
-    fn fits(&self) -> Result<()> {
-        let taken = |object: &Planned| {
+    fn check_disk(&self) -> Result<()> {
+        let taken = |object: &PlannedObject| {
             let path = self.dir.join(&object.file);
             let there = [open(&path), path].iter().filter_map(|p| p.metadata().ok()).map(|m| allocated(&m)).max();
             there.unwrap_or(0)
         };
         let open = self.objects.iter().map(|o| o.limit.saturating_sub(taken(o))).fold(0, u64::saturating_add);
-        limits::require_disk(open, &self.dir)
+        limits::check_disk_space(open, &self.dir)
     }
 
     /// Returns the manifest: that of the finished data set on the disk, otherwise that of the plan.
@@ -155,7 +155,7 @@ impl Campaign {
 
     /// Checks that the backend supports the first object, before anything is written.
     fn admit(&self) -> Result<()> {
-        let Some(Planned { named, .. }) = self.objects.first() else { return Ok(()) };
+        let Some(PlannedObject { named, .. }) = self.objects.first() else { return Ok(()) };
         (self.choose)(&named.scene)?.check_support(&*Model::build(&named.scene)?)
     }
 
@@ -164,21 +164,25 @@ impl Campaign {
     /// # Errors
     /// Fails if a file cannot be written, a model cannot be built or the folder is in use. A failed grasp is part of
     /// the data set, not an error.
-    pub fn run(&mut self, threads: usize, watcher: &dyn Watcher) -> Result<Manifest> {
+    pub fn run(&mut self, threads: usize, watcher: &dyn DatasetObserver) -> Result<Manifest> {
         if !self.manifest.finished {
-            self.fits()?;
+            self.check_disk()?;
             self.admit()?;
         }
         // Held while this campaign writes, so that no two processes write to the same folder.
-        let lock = FolderLock::alone(&self.dir, COMMAND)?;
+        let lock = FolderLock::exclusive(&self.dir, COMMAND)?;
         lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
         if !self.manifest.finished {
             self.manifest.write(&self.dir)?;
-            let finished = longest_first(&self.work(), threads, |index, threads| {
+            let finished = longest_first(&self.expected_work(), threads, |index, threads| {
                 self.object(&self.objects[index], index == 0, threads, watcher)
             })?;
-            self.manifest.objects.iter_mut().zip(finished).for_each(|(entry, finished)| entry.tally(finished.values()));
+            self.manifest
+                .objects
+                .iter_mut()
+                .zip(finished)
+                .for_each(|(entry, finished)| entry.add_results(finished.values()));
             let text = serde_json::to_string(&self.splits).map_err(|e| Error::file(&self.dir, e.to_string()))?;
             let text = text + "\n";
             write_durable(&self.dir.join("splits.json"), text.as_bytes())?;
@@ -186,7 +190,7 @@ impl Campaign {
             for (entry, object) in self.manifest.objects.iter_mut().zip(&self.objects) {
                 let path = self.dir.join(&entry.file);
                 (entry.bytes, entry.blake3) = (size(&path)?, super::set::hash(&path)?);
-                entry.seal = Some(Writer::open(&path, &object.sizes)?.seal()?);
+                entry.seal = Some(Writer::open(&path, &object.sizes)?.remainder_checksum()?);
             }
             self.manifest.bytes = self.manifest.objects.iter().map(|o| o.bytes).sum();
             self.manifest.finished = true;
@@ -196,7 +200,7 @@ impl Campaign {
         // These temporary files are not part of the data set; a failure to remove them is not an error.
         let _ = std::fs::remove_file(self.dir.join(LAYOUT_LOCK));
         remove_temporary_files(&self.dir.join("dgs_output"));
-        self.objects.iter().for_each(|object| remove_temporary_files(&self.about(object)));
+        self.objects.iter().for_each(|object| remove_temporary_files(&self.loader_folder(object)));
         Ok(self.manifest.clone())
     }
 
@@ -206,24 +210,24 @@ impl Campaign {
     /// # Errors
     /// Fails if a file cannot be written, a model cannot be built or the folder is in use.
     pub fn sensitivity(&self, most: usize, threads: usize) -> Result<Vec<SensitivityRow>> {
-        let _lock = FolderLock::alone(&self.dir, COMMAND)?;
+        let _lock = FolderLock::exclusive(&self.dir, COMMAND)?;
         let plan = self.manifest.plan.as_str();
         let mut table = sensitivity::read(&self.dir, plan)?;
         for object in &self.objects {
             interrupt::check()?;
             let poses = &object.poses[..most.min(object.poses.len())];
-            sensitivity::add((&self.dir, plan), &mut table, (&object.named, poses), self.choose, threads)?;
+            sensitivity::measure((&self.dir, plan), &mut table, (&object.named, poses), self.choose, threads)?;
         }
         Ok(table)
     }
 
     /// Returns the folder of an object's files for the public loader.
-    fn about(&self, object: &Planned) -> PathBuf {
+    fn loader_folder(&self, object: &PlannedObject) -> PathBuf {
         self.dir.join("dgn_dataset").join(object.named.name.as_str())
     }
 
-    fn progress(&self, object: &Planned) -> Progress {
-        Progress::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
+    fn progress(&self, object: &PlannedObject) -> ProgressRecords {
+        ProgressRecords::of(self.dir.join(PROGRESS).join(object.named.name.as_str()))
     }
 
     /// Runs the unfinished grasps of a part on `threads` threads, concurrently with the other parts, on one machine or
@@ -233,26 +237,32 @@ impl Campaign {
     ///
     /// # Errors
     /// Fails in the cases of [`Campaign::run`].
-    pub fn run_part(mut self, part: usize, parts: usize, threads: usize, watcher: &dyn Watcher) -> Result<usize> {
+    pub fn run_part(
+        mut self,
+        part: usize,
+        parts: usize,
+        threads: usize,
+        watcher: &dyn DatasetObserver,
+    ) -> Result<usize> {
         if self.manifest.finished {
             return Ok(0);
         }
-        self.fits()?;
+        self.check_disk()?;
         self.admit()?;
-        let lock = FolderLock::beside(&self.dir, COMMAND)?;
+        let lock = FolderLock::shared(&self.dir, COMMAND)?;
         lock.notice().iter().for_each(|notice| watcher.notice(notice));
         self.resume()?;
-        let turn = self.turn()?;
+        let turn = self.lock_shared_files()?;
         self.manifest.write(&self.dir)?;
         drop(turn);
-        let ran = longest_first(&self.work(), threads, |index, threads| {
+        let ran = longest_first(&self.expected_work(), threads, |index, threads| {
             self.simulate(&self.objects[index], index == 0, |grasp| grasp % parts == part, threads, watcher)
         })?;
         Ok(ran.into_iter().sum())
     }
 
     /// Returns the expected work of each object: grasps x frames x nodes.
-    fn work(&self) -> Vec<u64> {
+    fn expected_work(&self) -> Vec<u64> {
         let of = |FileSizes { grasps, frames, nodes, .. }: &FileSizes| (grasps * frames * nodes) as u64;
         self.objects.iter().map(|object| of(&object.sizes)).collect()
     }
@@ -260,15 +270,15 @@ impl Campaign {
     /// Runs the unfinished grasps of one object, and renames its file to the final name.
     fn object(
         &self,
-        object: &Planned,
+        object: &PlannedObject,
         first: bool,
         threads: usize,
-        watcher: &dyn Watcher,
-    ) -> Result<BTreeMap<usize, Finished>> {
+        watcher: &dyn DatasetObserver,
+    ) -> Result<BTreeMap<usize, FinishedGrasp>> {
         let path = self.dir.join(&object.file);
         let rename = |from: &Path, to: &Path| std::fs::rename(from, to).map_err(|e| cannot_write(to, &e));
         // The renaming is the last step: a file with its final name is complete unless it was damaged later.
-        if path.exists() && !self.is_whole(object, &path) {
+        if path.exists() && !self.is_complete(object, &path) {
             rename(&path, &open(&path))?;
         }
         if !path.exists() {
@@ -287,37 +297,37 @@ impl Campaign {
     }
 
     /// Returns true if the file at `path` has the layout of the object and intact rows of all its grasps.
-    fn is_whole(&self, object: &Planned, path: &Path) -> bool {
+    fn is_complete(&self, object: &PlannedObject, path: &Path) -> bool {
         let Ok(writer) = Writer::open(path, &object.sizes) else { return false };
-        let sound = self.sound(object, &writer);
-        sound.len() == object.poses.len() && self.is_laid_out(object, path)
+        let sound = self.intact_grasps(object, &writer);
+        sound.len() == object.poses.len() && self.has_layout(object, path)
     }
 
     /// Returns true if the file at `path` has the layout of the object, regardless of its rows.
-    fn is_laid_out(&self, object: &Planned, path: &Path) -> bool {
+    fn has_layout(&self, object: &PlannedObject, path: &Path) -> bool {
         let layout = Writer::open(path, &object.sizes).and_then(|writer| writer.layout());
-        layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.of_plan(&layout)))
+        layout.is_ok_and(|layout| self.progress(object).layout() == Some(self.layout_record(&layout)))
     }
 
     /// Returns the record of a layout. It contains the plan, so that a layout of another plan is not recognised.
-    fn of_plan(&self, layout: &str) -> String {
+    fn layout_record(&self, layout: &str) -> String {
         format!("{} {layout}", self.manifest.plan)
     }
 
     /// Returns the grasps whose records and rows are intact.
-    fn sound(&self, object: &Planned, writer: &Writer) -> BTreeMap<usize, Finished> {
+    fn intact_grasps(&self, object: &PlannedObject, writer: &Writer) -> BTreeMap<usize, FinishedGrasp> {
         let finished = self.progress(object).finished(object.poses.len());
-        finished.into_par_iter().filter(|(_, record)| writer.holds(record)).collect()
+        finished.into_par_iter().filter(|(_, record)| writer.rows_match(record)).collect()
     }
 
     /// Runs the unfinished ones among the `wanted` grasps of an object; returns their number.
     fn simulate(
         &self,
-        object: &Planned,
+        object: &PlannedObject,
         first: bool,
         wanted: impl Fn(usize) -> bool,
         threads: usize,
-        watcher: &dyn Watcher,
+        watcher: &dyn DatasetObserver,
     ) -> Result<usize> {
         let progress = self.progress(object);
         let path = self.dir.join(&object.file);
@@ -327,12 +337,13 @@ impl Campaign {
         interrupt::check()?;
         let scene = &object.named.scene;
         let model = Model::build(scene)?;
-        let recorded = if scene.finer_mesh().is_some() { Model::build(&scene.on_own_mesh())? } else { model.clone() };
-        let world = World::new(&scene.gripper.placement);
+        let recorded =
+            if scene.finer_mesh().is_some() { Model::build(&scene.without_finer_mesh())? } else { model.clone() };
+        let world = LoaderFrame::new(&scene.gripper.placement);
         let encoder = Encoder::new(&recorded, object.sizes.clone(), world);
         self.lay_out(object, &recorded, encoder.mirrored, first)?;
         let writer = Writer::open(&open(&path), &object.sizes)?;
-        let done = self.sound(object, &writer);
+        let done = self.intact_grasps(object, &writer);
         let open_grasps = (0..object.poses.len()).filter(|g| wanted(*g) && !done.contains_key(g));
         let grasps: Vec<_> = open_grasps.map(|g| (g, object.poses[g])).collect();
         let stepper = (self.choose)(scene)?;
@@ -350,17 +361,17 @@ impl Campaign {
 
     /// Waits until no other part writes the files that all parts share. Otherwise a part that starts at the same time
     /// could rename a half-written file.
-    fn turn(&self) -> Result<Turn> {
-        Turn::wait(&self.dir.join(LAYOUT_LOCK), COMMAND)
+    fn lock_shared_files(&self) -> Result<WriteLock> {
+        WriteLock::acquire(&self.dir.join(LAYOUT_LOCK), COMMAND)
     }
 
     /// Writes the files of one object, with empty rows, unless they exist. One part does this while the others wait.
-    fn lay_out(&self, object: &Planned, model: &Model, mirrored: bool, first: bool) -> Result<()> {
-        let _turn = self.turn()?;
+    fn lay_out(&self, object: &PlannedObject, model: &Model, mirrored: bool, first: bool) -> Result<()> {
+        let _turn = self.lock_shared_files()?;
         let open = open(&self.dir.join(&object.file));
-        if !open.exists() || !self.is_laid_out(object, &open) {
+        if !open.exists() || !self.has_layout(object, &open) {
             let name = object.named.name.as_str();
-            let about = self.about(object);
+            let about = self.loader_folder(object);
             create_dir(&about)?;
             let pad = sensor(&model.finger()?.topology);
             if first {
@@ -373,9 +384,9 @@ impl Campaign {
             create_dir(&self.dir.join("dgs_output"))?;
             // Records of finished grasps are invalid without the file with their rows.
             self.progress(object).clear()?;
-            lay_out(&open, &object.named, model, &object.sizes, mirrored)?;
+            create(&open, &object.named, model, &object.sizes, mirrored)?;
             let layout = Writer::open(&open, &object.sizes)?.layout()?;
-            self.progress(object).enter_layout(&self.of_plan(&layout))?;
+            self.progress(object).record_layout(&self.layout_record(&layout))?;
         }
         Ok(())
     }

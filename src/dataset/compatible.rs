@@ -17,11 +17,11 @@ const CENTER: [f64; 2] = [-0.0006, 0.099];
 
 /// Transformation from the hand frame to the loader's world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct World {
+pub struct LoaderFrame {
     offset: DVec3,
 }
 
-impl World {
+impl LoaderFrame {
     /// Returns the transformation for a gripper with this placement of its pads.
     pub fn new(placement: &Placement) -> Self {
         let offset = DVec3::new(CENTER[0] - placement.y.get(), 1.0 + CENTER[1] - placement.z.get(), 0.0);
@@ -56,14 +56,14 @@ fn corner_tets(elements: &ElementNodes) -> Vec<[u32; 4]> {
 
 /// Nodes and tetrahedra of the right pad that are stored as node i and tetrahedron t of the loader.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mirror {
+pub struct MirrorMap {
     /// Indices of the corner nodes.
     pub nodes: Vec<usize>,
     /// Indices of the tetrahedra.
     pub tets: Vec<usize>,
 }
 
-impl Mirror {
+impl MirrorMap {
     /// Returns the mirror image of the pad along the approach (pad x); None if the mesh is not mirror-symmetric.
     pub fn of(pad: &PadTopology) -> Option<Self> {
         let key = |p: DVec3| p.to_array().map(|x| (x * 1e8).round() as i64);

@@ -5,8 +5,8 @@
 //! reading is that of the disk.
 
 use super::arrays::{FORMAT, FileSizes, NumberKind, RowName};
-use super::places::{RowPositions, Seal, is_row_verified};
-use super::progress::Finished;
+use super::progress::FinishedGrasp;
+use super::row_positions::{RemainderChecksum, RowPositions, is_row_verified};
 use super::rows::{GraspRows, checksum, code};
 use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, replace_durable};
@@ -26,7 +26,7 @@ pub const TACTILE: &str = "tactile";
 ///
 /// # Errors
 /// Fails if the file cannot be written.
-pub fn lay_out(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes, mirrored: bool) -> Result<()> {
+pub fn create(path: &Path, named: &NamedScene, model: &Model, sizes: &FileSizes, mirrored: bool) -> Result<()> {
     let scene = to_ron(&named.scene)?;
     replace_durable(path, |temporary| {
         let mut builder = FileBuilder::new();
@@ -208,11 +208,11 @@ impl Writer {
     /// # Errors
     /// Fails if the file cannot be read.
     pub fn layout(&self) -> Result<String> {
-        Ok(Seal::of(&self.path, self.places.ranges(|_| true))?.blake3)
+        Ok(RemainderChecksum::of(&self.path, self.places.ranges(|_| true))?.blake3)
     }
 
     /// Returns true if the rows of a grasp agree with its `record`.
-    pub fn holds(&self, record: &Finished) -> bool {
+    pub fn rows_match(&self, record: &FinishedGrasp) -> bool {
         let rows = std::fs::File::open(&self.path).and_then(|mut file| self.places.read(&mut file, record.grasp));
         rows.is_ok_and(|rows| {
             let row = |name: RowName| rows[name as usize].as_slice();
@@ -228,8 +228,8 @@ impl Writer {
     ///
     /// # Errors
     /// Fails if the file cannot be read.
-    pub fn seal(&self) -> Result<Seal> {
-        Seal::of(&self.path, self.places.ranges(is_row_verified))
+    pub fn remainder_checksum(&self) -> Result<RemainderChecksum> {
+        RemainderChecksum::of(&self.path, self.places.ranges(is_row_verified))
     }
 
     /// Writes the rows of a grasp and waits until they are on disk.

@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Number of bars of a histogram.
-pub const BARS: usize = 20;
+pub const HISTOGRAM_BINS: usize = 20;
 
 /// Selection of the grasps and frames that are inspected.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +30,7 @@ pub struct Inspection {
     /// Summary of each object.
     pub objects: Vec<ObjectSummary>,
     /// Ranges over all objects.
-    pub ranges: Vec<Range>,
+    pub ranges: Vec<QuantityRange>,
     /// Files and grasps that are damaged, with the reason.
     pub damaged: Vec<String>,
 }
@@ -58,7 +58,7 @@ pub struct ObjectSummary {
 
 /// Range and histogram of a quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Range {
+pub struct QuantityRange {
     /// Name of the quantity, with its unit at the end.
     pub name: &'static str,
     /// Smallest value.
@@ -67,7 +67,7 @@ pub struct Range {
     pub mean: f64,
     /// Largest value.
     pub max: f64,
-    /// Counts in [`BARS`] equal intervals from min to max.
+    /// Counts in [`HISTOGRAM_BINS`] equal intervals from min to max.
     pub histogram: Vec<usize>,
 }
 
@@ -107,7 +107,7 @@ pub fn inspect(set: &DataSet, thinning: InspectionSampling, pictures: Option<&Pa
                     continue;
                 }
             };
-            let frames = chosen(grasp.frames, thinning.frames);
+            let frames = sample_frames(grasp.frames, thinning.frames);
             summary.read_grasps += 1;
             summary.read_frames += frames.len();
             for &k in &frames {
@@ -128,22 +128,22 @@ pub fn inspect(set: &DataSet, thinning: InspectionSampling, pictures: Option<&Pa
 }
 
 /// Returns at most `most` of `frames` frames, evenly spread, including the last.
-pub fn chosen(frames: usize, most: Option<usize>) -> Vec<usize> {
+pub fn sample_frames(frames: usize, most: Option<usize>) -> Vec<usize> {
     let n = most.unwrap_or(frames).min(frames);
     (1..=n).map(|i| i * frames / n - 1).collect()
 }
 
-fn range(name: &'static str, values: &[f64]) -> Option<Range> {
+fn range(name: &'static str, values: &[f64]) -> Option<QuantityRange> {
     let (min, max) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     if values.is_empty() {
         return None;
     }
-    let mut histogram = vec![0; BARS];
+    let mut histogram = vec![0; HISTOGRAM_BINS];
     for v in values {
-        let at = if max > min { (v - min) / (max - min) * BARS as f64 } else { 0.0 };
-        histogram[(at as usize).min(BARS - 1)] += 1;
+        let at = if max > min { (v - min) / (max - min) * HISTOGRAM_BINS as f64 } else { 0.0 };
+        histogram[(at as usize).min(HISTOGRAM_BINS - 1)] += 1;
     }
-    Some(Range { name, min, mean: values.iter().sum::<f64>() / values.len() as f64, max, histogram })
+    Some(QuantityRange { name, min, mean: values.iter().sum::<f64>() / values.len() as f64, max, histogram })
 }
 
 fn quantities(file: &ObjectFile, grasp: &StoredGrasp, k: usize) -> [f64; 6] {

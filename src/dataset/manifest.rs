@@ -1,11 +1,11 @@
 //! `manifest.json`: content, progress and failures of a data set.
 
 use super::arrays::FORMAT;
-use super::places::Seal;
-use super::progress::Finished;
+use super::progress::FinishedGrasp;
+use super::row_positions::RemainderChecksum;
 use base::error::{Error, Result};
 use base::files::atomic::write_durable;
-use model::judge::Verdict;
+use model::evaluation::Verdict;
 use record::Status;
 use scene::Name;
 use serde::{Deserialize, Serialize};
@@ -41,19 +41,19 @@ pub struct Manifest {
     pub objects: Vec<ObjectEntry>,
     /// Randomly drawn objects that are excluded from the data set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<ExcludedObject>,
 }
 
 /// Randomly drawn object that is excluded, for example because no grasp was found.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LeftOut {
+pub struct ExcludedObject {
     /// Name of the object.
     pub name: String,
     /// Reason why it is excluded.
     pub reason: String,
 }
 
-impl LeftOut {
+impl ExcludedObject {
     pub(super) fn new(name: &Name, error: &Error) -> Self {
         let text = error.to_string();
         Self { name: name.as_str().into(), reason: text.strip_prefix("error: ").unwrap_or(&text).into() }
@@ -75,7 +75,7 @@ pub struct ObjectEntry {
     pub blake3: String,
     /// Seal that detects damage to the file without reading all of it; None until it is finished.
     #[serde(default)]
-    pub seal: Option<Seal>,
+    pub seal: Option<RemainderChecksum>,
     /// Number of grasps that reached their load.
     pub reached: usize,
     /// Number of grasps that dropped the object.
@@ -91,12 +91,13 @@ pub struct ObjectEntry {
     pub failures: Vec<FailedGrasp>,
     /// Verdicts on the expectations of the scene over all recorded frames.
     #[serde(default)]
-    pub promises: Vec<Promise>,
+    #[serde(rename = "promises")]
+    pub expectations: Vec<ExpectationOutcome>,
 }
 
 /// Verdict on an expectation of the scene over the frames of all grasps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Promise {
+pub struct ExpectationOutcome {
     /// Verdict on the worst grasp.
     pub worst: Verdict,
     /// Numbers of the grasps that violate the expectation.
@@ -117,7 +118,7 @@ pub struct FailedGrasp {
 }
 
 /// Name of the file.
-pub const MANIFEST: &str = "manifest.json";
+pub const MANIFEST_NAME: &str = "manifest.json";
 
 impl Manifest {
     /// Reads the manifest of a data set; returns None if there is none.
@@ -125,7 +126,7 @@ impl Manifest {
     /// # Errors
     /// Fails if the file is not a manifest, was changed or has another version of the layout.
     pub fn read(dir: &Path) -> Result<Option<Self>> {
-        let path = dir.join(MANIFEST);
+        let path = dir.join(MANIFEST_NAME);
         let fail = |message: String| Error::file(&path, message);
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -165,7 +166,7 @@ impl Manifest {
     /// # Errors
     /// Fails if the manifest cannot be serialised or the file cannot be written.
     pub fn write(&mut self, dir: &Path) -> Result<()> {
-        let path = dir.join(MANIFEST);
+        let path = dir.join(MANIFEST_NAME);
         let text = |own: &Self| {
             let text = serde_json::to_string_pretty(own).map_err(|e| Error::file(&path, e.to_string()))?;
             Ok::<_, Error>(text + "\n")
@@ -183,7 +184,7 @@ impl Manifest {
 
 impl ObjectEntry {
     /// Adds the results of finished grasps.
-    pub fn tally<'a>(&mut self, finished: impl IntoIterator<Item = &'a Finished>) {
+    pub fn add_results<'a>(&mut self, finished: impl IntoIterator<Item = &'a FinishedGrasp>) {
         for f in finished {
             match f.status {
                 Status::Reached => self.reached += 1,
@@ -195,18 +196,20 @@ impl ObjectEntry {
                 let reason = f.reason.clone().unwrap_or_default();
                 self.failures.push(FailedGrasp { grasp: f.grasp, status: f.status, reason, frames: f.frames });
             }
-            f.promises.iter().for_each(|held| self.judge(f.grasp, held));
+            f.expectations.iter().for_each(|held| self.add(f.grasp, held));
         }
     }
     /// Adds the verdict on a grasp for one expectation.
-    fn judge(&mut self, grasp: usize, held: &Verdict) {
+    fn add(&mut self, grasp: usize, held: &Verdict) {
         let broken = (!held.held).then_some(grasp);
-        match self.promises.iter_mut().find(|p| p.worst.name == held.name) {
+        match self.expectations.iter_mut().find(|p| p.worst.name == held.name) {
             Some(known) => {
-                known.worst = known.worst.clone().worse(held.clone());
+                known.worst = known.worst.clone().worse_of(held.clone());
                 known.broken_by.extend(broken);
             }
-            None => self.promises.push(Promise { worst: held.clone(), broken_by: Vec::from_iter(broken) }),
+            None => {
+                self.expectations.push(ExpectationOutcome { worst: held.clone(), broken_by: Vec::from_iter(broken) })
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use geometry::Aabb;
 use geometry::Pose;
 use geometry::mesh::TriMesh;
 use model::Model;
-use model::grasp::{aim_notice, grasps_of, object_of};
+use model::grasp::{aim_notice, resolve_grasps, resolve_object};
 use model::part::object;
 use rayon::prelude::*;
 use scene::{Field, Loading, NamedScene, Scene, to_ron};
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Object of a campaign.
 #[derive(Debug)]
-pub(super) struct Planned {
+pub(super) struct PlannedObject {
     pub named: NamedScene,
     pub poses: Vec<Pose>,
     pub sizes: FileSizes,
@@ -40,26 +40,26 @@ pub(super) struct PlannedPads {
 impl PlannedPads {
     /// Returns the pads of `scene`.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let model = Model::build(&scene.on_own_mesh())?;
+        let model = Model::build(&scene.without_finer_mesh())?;
         let sizes = FileSizes::of(&model, 0)?;
         Ok(Self { sizes, bounds: model.pad_bounds().unwrap_or(Aabb::EMPTY) })
     }
 }
 
-impl Planned {
+impl PlannedObject {
     /// Plans an object. `first` and `pads` are scene and pads of the first object; the pads are reused if pads and
     /// loading are equal.
     pub fn new(listed: &NamedScene, (first, pads): (&Scene, &PlannedPads)) -> Result<(Self, ObjectEntry)> {
         let mut named = listed.clone();
         // A data set holds all of these fields, regardless of what the scene records in a run.
-        named.scene.record.fields = Field::USUAL.to_vec();
+        named.scene.record.fields = Field::DEFAULT.to_vec();
         let scene = &named.scene;
         let pad_of = |scene: &Scene| (scene.gripper.pads.clone(), scene.gripper.right.clone(), scene.gripper.fingers);
         let own_pads = pad_of(scene) != pad_of(first);
         let pads = if own_pads || scene.loading != first.loading { PlannedPads::of(scene)? } else { pads.clone() };
-        let mut grasps = grasps_of(scene)?;
-        let object = object_of(scene, &mut grasps.notices)?;
-        let shape = object::build(&object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
+        let mut grasps = resolve_grasps(scene)?;
+        let object = resolve_object(scene, &mut grasps.notices)?;
+        let shape = object::build(&object, &mut Vec::new()).map_err(|e| e.with_field("object.shape"))?;
         grasps.notices.extend(aim_notice(scene, &shape, pads.bounds, &grasps.poses));
         let sizes = FileSizes { grasps: grasps.poses.len(), ..pads.sizes };
         let file = Path::new("dgs_output").join(file_name(&named));
@@ -76,7 +76,7 @@ impl Planned {
             infeasible: 0,
             notices: grasps.notices,
             failures: Vec::new(),
-            promises: Vec::new(),
+            expectations: Vec::new(),
         };
         let limit = sizes.bytes() + fixed_bytes(&sizes, &shape.surface);
         Ok((Self { named, poses: grasps.poses, sizes, file, limit, own_pads }, entry))
@@ -99,8 +99,8 @@ impl Selection<'_> {
     ///
     /// # Errors
     /// Fails if a score cannot be computed.
-    pub(super) fn apply(&self, objects: &mut Vec<Planned>, entries: &mut Vec<ObjectEntry>) -> Result<()> {
-        let of = |object: &Planned| {
+    pub(super) fn apply(&self, objects: &mut Vec<PlannedObject>, entries: &mut Vec<ObjectEntry>) -> Result<()> {
+        let of = |object: &PlannedObject| {
             interrupt::check()?;
             (self.score)(&object.named.scene, &object.poses)
         };

@@ -2,7 +2,7 @@
 
 use base::error::{Error, Result};
 use base::files::atomic::{create_dir, write_durable};
-use model::judge::Verdict;
+use model::evaluation::Verdict;
 use record::Status;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Record of a finished grasp.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Finished {
+pub struct FinishedGrasp {
     /// Number of the grasp, from 0.
     pub grasp: usize,
     /// Status at the end of the grasp.
@@ -23,7 +23,8 @@ pub struct Finished {
     pub checksum: String,
     /// Verdicts on the expectations of the scene about the frames; empty if there are none.
     #[serde(default)]
-    pub promises: Vec<Verdict>,
+    #[serde(rename = "promises")]
+    pub expectations: Vec<Verdict>,
 }
 
 /// Name of the record of the layout.
@@ -31,11 +32,11 @@ const LAYOUT: &str = "layout";
 
 /// Records of one object.
 #[derive(Debug, Clone)]
-pub struct Progress {
+pub struct ProgressRecords {
     dir: PathBuf,
 }
 
-impl Progress {
+impl ProgressRecords {
     /// Returns the records stored in `dir`.
     pub fn of(dir: PathBuf) -> Self {
         Self { dir }
@@ -45,7 +46,7 @@ impl Progress {
     ///
     /// # Errors
     /// Fails if the record cannot be written.
-    pub fn enter(&self, finished: &Finished) -> Result<()> {
+    pub fn record_grasp(&self, finished: &FinishedGrasp) -> Result<()> {
         let path = self.path(finished.grasp);
         let text = serde_json::to_string(finished).map_err(|e| Error::file(&path, e.to_string()))?;
         write_durable(&path, format!("{text}\n{}\n", blake3::hash(text.as_bytes()).to_hex()).as_bytes())
@@ -53,12 +54,12 @@ impl Progress {
 
     /// Returns the finished grasps with numbers below `count`. A record that cannot be read or was changed is ignored,
     /// so that its grasp runs again.
-    pub fn finished(&self, count: usize) -> BTreeMap<usize, Finished> {
+    pub fn finished(&self, count: usize) -> BTreeMap<usize, FinishedGrasp> {
         let read = |grasp: usize| {
             let content = std::fs::read_to_string(self.path(grasp)).ok()?;
             let (text, hash) = content.strip_suffix('\n')?.rsplit_once('\n')?;
             let sound = blake3::hash(text.as_bytes()).to_hex().as_str() == hash;
-            let record: Finished = serde_json::from_str(Some(text).filter(|_| sound)?).ok()?;
+            let record: FinishedGrasp = serde_json::from_str(Some(text).filter(|_| sound)?).ok()?;
             (record.grasp == grasp).then_some((grasp, record))
         };
         (0..count).filter_map(read).collect()
@@ -77,7 +78,7 @@ impl Progress {
     ///
     /// # Errors
     /// Fails if the record cannot be written.
-    pub fn enter_layout(&self, layout: &str) -> Result<()> {
+    pub fn record_layout(&self, layout: &str) -> Result<()> {
         write_durable(&self.dir.join(LAYOUT), layout.as_bytes())
     }
 

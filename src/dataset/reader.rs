@@ -2,16 +2,16 @@
 
 use super::arrays::{ARRAYS, FORMAT, FileSizes, RowName, TactileLayout};
 use super::file::TACTILE;
-use super::places::RowPositions;
+use super::row_positions::RowPositions;
 use super::rows::checksum;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use geometry::Pose;
 use geometry::mesh::TriMesh;
 use glam::DVec3;
 use hdf5_pure::{AttrValue, File, Layout};
 use record::{ElementNodes, PadTopology, TactileArray, names};
-use scene::{from_ron, place_in};
+use scene::{from_ron, locate_error_in};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -157,7 +157,7 @@ impl ObjectFile {
         let mesh = |group: &str| -> Result<PadTopology> {
             let of = |name: &str| format!("{group}/{name}");
             let width = shape(&of(names::TETS))?.get(1).copied().unwrap_or(0);
-            let elements = ElementNodes::of_table(&integers(&of(names::TETS))?, width)
+            let elements = ElementNodes::from_flat(&integers(&of(names::TETS))?, width)
                 .ok_or_else(|| fail(format!("`{group}/tets` has {width} nodes per tetrahedron; it must be 4 or 10")))?;
             Ok(PadTopology {
                 rest: points(&of(names::REST))?,
@@ -218,9 +218,9 @@ impl ObjectFile {
     ///
     /// # Errors
     /// Fails if they differ, or if the scene cannot be read.
-    pub fn needs_alike(&self, what: &str) -> Result<()> {
-        let refused = from_ron(&self.scene)?.gripper.needs_alike(what);
-        refused.map_err(|e| place_in(&self.path, &self.scene, e))
+    pub fn require_equal_pads(&self, what: &str) -> Result<()> {
+        let refused = from_ron(&self.scene)?.gripper.require_equal_fingers(what);
+        refused.map_err(|e| locate_error_in(&self.path, &self.scene, e))
     }
 
     /// Returns the numbers of the grasps that reached their load.
@@ -235,7 +235,7 @@ impl ObjectFile {
     pub fn grasp(&self, grasp: usize) -> Result<StoredGrasp> {
         if grasp >= self.sizes.grasps {
             let message =
-                format!("has no grasp {grasp}; it has {}, counted from 0", counted(self.sizes.grasps, "grasp"));
+                format!("has no grasp {grasp}; it has {}, counted from 0", format_count(self.sizes.grasps, "grasp"));
             return Err(Error::file(&self.path, message));
         }
         let rows =

@@ -1,13 +1,13 @@
 //! Recorder of the frames of a grasp: writes its rows to the file of the object, then the record that it is finished.
 
 use super::file::Writer;
-use super::progress::{Finished, Progress};
+use super::progress::{FinishedGrasp, ProgressRecords};
 use super::rows::{Encoder, GraspRows};
 use super::sampling::Sampling;
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;
-use model::judge::evaluate;
+use model::evaluation::evaluate;
 use record::{self, Frame, PadTopology};
 use scene::{Expectation, NamedScene};
 use std::collections::BTreeMap;
@@ -15,17 +15,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use world::run::{Observer, Outcome};
 
 /// Observer of the progress of a data set; its methods are called from any thread.
-pub trait Watcher: Sync {
+pub trait DatasetObserver: Sync {
     /// Reports a frame of a grasp.
     fn frame(&self) {}
     /// Reports the end of a grasp of `object`.
-    fn grasp(&self, _object: &str, _finished: &Finished) {}
+    fn grasp(&self, _object: &str, _finished: &FinishedGrasp) {}
     /// Reports a notice for the user, one sentence.
     fn notice(&self, _notice: &str) {}
 }
 
 /// Observer that ignores everything.
-impl Watcher for () {}
+impl DatasetObserver for () {}
 
 /// Recorder of the frames of the grasps of one object.
 pub struct DatasetRecorder<'a> {
@@ -37,8 +37,8 @@ pub struct DatasetRecorder<'a> {
     sampling: Option<Sampling>,
     encoder: Encoder,
     writer: Writer,
-    progress: &'a Progress,
-    watcher: &'a dyn Watcher,
+    progress: &'a ProgressRecords,
+    watcher: &'a dyn DatasetObserver,
     /// Rows of the running grasps.
     open: Mutex<BTreeMap<usize, GraspRows>>,
 }
@@ -51,14 +51,14 @@ impl<'a> DatasetRecorder<'a> {
         poses: &'a [Pose],
         [simulated, recorded]: [&'a Arc<Model>; 2],
         (encoder, writer): (Encoder, Writer),
-        progress: &'a Progress,
-        watcher: &'a dyn Watcher,
+        progress: &'a ProgressRecords,
+        watcher: &'a dyn DatasetObserver,
     ) -> Self {
         let sampling = (!Arc::ptr_eq(simulated, recorded)).then(|| Sampling::new(simulated, recorded.clone()));
         let topologies = recorded.fingers.iter().map(|f| f.topology.as_ref()).collect();
         // `ReachesForce` is omitted: the statuses of the grasps are counted separately.
         let of_frames =
-            object.scene.promises().into_owned().into_iter().filter(|e| !matches!(e, Expectation::ReachesForce));
+            object.scene.expectations().into_owned().into_iter().filter(|e| !matches!(e, Expectation::ReachesForce));
         let (name, expect) = (object.name.as_str(), of_frames.collect());
         Self { name, expect, poses, topologies, sampling, encoder, writer, progress, watcher, open: Mutex::default() }
     }
@@ -89,15 +89,15 @@ impl Observer for DatasetRecorder<'_> {
         let checksum = self.encoder.finish(&mut rows, s.status, s.reason.as_deref().unwrap_or(""), s.frames);
         self.writer.write(index, &rows)?;
         let judged = self.expect.iter().filter(|_| s.frames > 0);
-        let finished = Finished {
+        let finished = FinishedGrasp {
             grasp: index,
             status: s.status,
             reason: s.reason.clone(),
             frames: s.frames,
             checksum: checksum.to_hex().to_string(),
-            promises: judged.map(|e| evaluate(e, &outcome.measured)).collect(),
+            expectations: judged.map(|e| evaluate(e, &outcome.measured)).collect(),
         };
-        self.progress.enter(&finished)?;
+        self.progress.record_grasp(&finished)?;
         self.watcher.grasp(self.name, &finished);
         Ok(())
     }

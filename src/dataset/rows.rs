@@ -1,7 +1,7 @@
 //! Encoding of one grasp as rows, frame by frame.
 
 use super::arrays::{ARRAYS, FileSizes, MAX_REASON_BYTES, RowName};
-use super::compatible::{Mirror, World};
+use super::compatible::{LoaderFrame, MirrorMap};
 use geometry::Pose;
 use glam::{DMat4, DVec3};
 use model::Model;
@@ -13,9 +13,9 @@ use std::sync::Arc;
 pub struct Encoder {
     model: Arc<Model>,
     sizes: FileSizes,
-    world: World,
+    world: LoaderFrame,
     /// Order in which the nodes and tetrahedra of each pad are stored for the loader.
-    mirrors: Vec<Mirror>,
+    mirrors: Vec<MirrorMap>,
     /// False if the mesh of the right pad is not the mirror image of the left one, which the loader assumes.
     pub mirrored: bool,
 }
@@ -26,10 +26,10 @@ pub struct GraspRows(pub Vec<Vec<u8>>);
 
 impl Encoder {
     /// Creates an encoder for grasps of `model`.
-    pub fn new(model: &Arc<Model>, sizes: FileSizes, world: World) -> Self {
+    pub fn new(model: &Arc<Model>, sizes: FileSizes, world: LoaderFrame) -> Self {
         let pads: Vec<&PadTopology> = model.fingers.iter().map(|finger| finger.topology.as_ref()).collect();
-        let mut mirrors: Vec<Mirror> = pads.iter().map(|pad| Mirror::identity(pad)).collect();
-        let mirror = Mirror::of(pads[0]).filter(|_| pads.iter().all(|pad| *pad == pads[0]));
+        let mut mirrors: Vec<MirrorMap> = pads.iter().map(|pad| MirrorMap::identity(pad)).collect();
+        let mirror = MirrorMap::of(pads[0]).filter(|_| pads.iter().all(|pad| *pad == pads[0]));
         let mirrored = mirror.is_some();
         if let (Some(right), Some(mirror)) = (mirrors.get_mut(1), mirror) {
             *right = mirror;
@@ -50,7 +50,7 @@ impl Encoder {
         let (k, pads) = (frame.index, s.pads);
         rows.singles(RowName::StackedForces, k, [frame.applied_force]);
         let object = DMat4::from_rotation_translation(frame.object_rotation, frame.object_position);
-        let world = DMat4::from_mat3(World::rotation());
+        let world = DMat4::from_mat3(LoaderFrame::rotation());
         let mut matrix = world * object;
         matrix.w_axis = self.world.point(frame.object_position).extend(1.0);
         // Row-major, as NumPy reads it.
@@ -70,7 +70,7 @@ impl Encoder {
             let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
             rows.doubles(RowName::Wrench, 6 * at, wrench);
             rows.doubles(RowName::Travel, at, [frame.travel[i]]);
-            let carried = pad.carried(&finger.body.rest);
+            let carried = pad.rigid_translation(&finger.body.rest);
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);
         }
         let load = frame.object_load;

@@ -36,7 +36,7 @@ impl PadMap {
         let mut pressed: Vec<u32> = fine.sensing.as_flattened().to_vec();
         pressed.sort_unstable();
         pressed.dedup();
-        let face = pressed.into_iter().map(|n| (n, lookup.under(fine.rest[n as usize]))).collect();
+        let face = pressed.into_iter().map(|n| (n, lookup.interpolation_at(fine.rest[n as usize]))).collect();
         Self { nodes: Stencils::new(&coarse.rest, fine), face }
     }
 }
@@ -47,7 +47,7 @@ impl Sampling {
         let first = fine.fingers.iter().map(|finger| finger.body.rest[0]).collect();
         let mut pads: Vec<Arc<PadMap>> = Vec::new();
         for (fine, own) in fine.fingers.iter().zip(&coarse.fingers) {
-            let known = pads.first().filter(|_| coarse.alike()).cloned();
+            let known = pads.first().filter(|_| coarse.has_equal_pads()).cloned();
             pads.push(known.unwrap_or_else(|| Arc::new(PadMap::new(&fine.topology, &own.topology))));
         }
         Self { pads, first, coarse }
@@ -60,7 +60,7 @@ impl Sampling {
             let stress = &pad.von_mises_node;
             let displacement = map.nodes.of(&pad.displacement);
             let von_mises_node: Vec<f64> = if stress.is_empty() { Vec::new() } else { map.nodes.of(stress) };
-            let carried = pad.carried(std::slice::from_ref(first));
+            let carried = pad.rigid_translation(std::slice::from_ref(first));
             let elements = &finger.topology.elements;
             let mean = |own: &[u32]| own.iter().map(|n| von_mises_node[*n as usize]).sum::<f64>() / own.len() as f64;
             let tets = elements.nodes().chunks_exact(elements.width());

@@ -8,7 +8,7 @@ use base::error::{Error, Result};
 use base::files::atomic::{cannot_write, write_durable};
 use geometry::Pose;
 use model::Model;
-use record::sensitivity::{Change, Moved};
+use record::sensitivity::{Change, ChangeEffect};
 use scene::NamedScene;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -17,7 +17,7 @@ use world::run::run_grasps;
 use world::run::sensitivity::{FinalStates, LastFrames, sensitivity};
 
 /// Name of the file.
-pub const SENSITIVITY: &str = "sensitivity.csv";
+pub const SENSITIVITY_NAME: &str = "sensitivity.csv";
 
 /// Effect of a change on a grasp of the data set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ pub struct SensitivityRow {
 /// # Errors
 /// Fails if the file is not such a table.
 pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
-    let path = dir.join(SENSITIVITY);
+    let path = dir.join(SENSITIVITY_NAME);
     let text = match std::fs::read_to_string(&path) {
         Ok(text) => text,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -59,7 +59,7 @@ pub fn read(dir: &Path, plan: &str) -> Result<Vec<SensitivityRow>> {
 ///
 /// # Errors
 /// Fails if a model cannot be built, the grasps cannot be run or the table cannot be written.
-pub fn add(
+pub fn measure(
     (dir, plan): (&Path, &str),
     table: &mut Vec<SensitivityRow>,
     (object, poses): (&NamedScene, &[Pose]),
@@ -79,7 +79,7 @@ pub fn add(
     let ends = FinalStates::of(&outcomes, last);
     let answers = sensitivity(&object.scene, &model, stepper.as_ref(), (&grasps, &ends), threads)?;
     for ((grasp, _), moved) in grasps.iter().zip(answers) {
-        table.extend(moved.into_iter().map(|Moved { change, status, displacement, object_m }| SensitivityRow {
+        table.extend(moved.into_iter().map(|ChangeEffect { change, status, displacement, object_m }| SensitivityRow {
             object: name.into(),
             grasp: *grasp,
             change,
@@ -88,7 +88,7 @@ pub fn add(
             object_m,
         }));
     }
-    let path = dir.join(SENSITIVITY);
+    let path = dir.join(SENSITIVITY_NAME);
     let mut writer = csv::Writer::from_writer(first_line(plan).into_bytes());
     table.iter().try_for_each(|row| writer.serialize(row)).map_err(|e| Error::file(&path, e.to_string()))?;
     let bytes = writer.into_inner().map_err(|e| cannot_write(&path, e.error()))?;

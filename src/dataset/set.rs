@@ -2,7 +2,7 @@
 
 use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;
-use super::split::{Poses, Splits};
+use super::split::{GraspNumbers, Splits};
 use base::error::{Error, Result};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ impl DataSet {
         let splits = serde_json::from_slice(&bytes).map_err(|e| Error::file(&path, format!("is not readable: {e}")))?;
         let (mut objects, mut damaged) = (Vec::new(), Vec::new());
         for entry in &manifest.objects {
-            match sound(&dir.join(&entry.file), entry) {
+            match open_object(&dir.join(&entry.file), entry) {
                 Ok(object) => objects.push(object),
                 Err(error) => damaged.push(error),
             }
@@ -61,7 +61,7 @@ impl DataSet {
     }
 
     /// Returns every reached grasp that a split lists, as (index in [`Self::objects`], number of the grasp).
-    pub fn select(&self, poses: &Poses) -> Vec<(usize, usize)> {
+    pub fn select(&self, poses: &GraspNumbers) -> Vec<(usize, usize)> {
         let of = |(index, object): (usize, &ObjectFile)| {
             let wanted = poses.get(&object.name).cloned().unwrap_or_default();
             let reached = wanted.into_iter().filter(|g| object.status.get(*g) == Some(&1));
@@ -72,7 +72,7 @@ impl DataSet {
 }
 
 /// Opens the file of an object if it agrees with its entry.
-fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
+fn open_object(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
     let fail = |message: String| Err(Error::file(path, message));
     let size =
         std::fs::metadata(path).map_err(|e| Error::system(path, format!("cannot be opened: {e}"), e.kind()))?.len();
@@ -80,7 +80,7 @@ fn sound(path: &Path, entry: &ObjectEntry) -> Result<ObjectFile> {
         return fail(format!("has {size} bytes instead of {}: truncated or changed", entry.bytes));
     }
     // Older data sets have a hash of the whole file only.
-    let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.is_on(path))?;
+    let same = entry.seal.as_ref().map_or_else(|| Ok(hash(path)? == entry.blake3), |seal| seal.matches(path))?;
     if !same {
         return fail(
             "was changed or damaged since it was generated: it is not the file of the manifest; restore it from a \

@@ -31,9 +31,9 @@ pub fn spec(task: &Task) -> ArraySpec {
 pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
     let mut numbers = numbers.iter().map(|v| f64::from(*v).clamp(-1.0, 1.0));
     let mut next = || numbers.next().unwrap_or(0.0);
-    let [least, most] = [task.force.at(0.0), task.force.at(1.0)];
+    let [least, most] = [task.force.interpolate(0.0), task.force.interpolate(1.0)];
     let force = match task.control {
-        Control::Force => task.force.at(0.5 * (next() + 1.0)),
+        Control::Force => task.force.interpolate(0.5 * (next() + 1.0)),
         Control::Rate(rate) => force + rate.get() * next(),
     };
     let twist = twist + task.twist_deg.map_or(0.0, |most| most.get().to_radians() * next());
@@ -45,6 +45,6 @@ pub fn decode(task: &Task, numbers: &[f32], force: f64, twist: f64) -> Action {
 }
 
 /// Returns the hand pose of a new grasp: `first` shifted in hand axes (m) and rotated about `center` (hand frame, m).
-pub fn regrasped(first: &Pose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> Pose {
-    super::draw::moved_hand(first, center, shift, turn)
+pub fn regrasp_pose(first: &Pose, center: DVec3, (shift, turn): (DVec3, DQuat)) -> Pose {
+    super::draw::displaced_hand(first, center, shift, turn)
 }

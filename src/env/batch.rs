@@ -2,7 +2,7 @@
 
 use super::action;
 use super::config::{Autoreset, BatchConfig};
-use super::draw::{Draw, EpisodeKey};
+use super::draw::{EpisodeKey, EpisodeParameters};
 use super::environment::Env;
 use super::pool::Pool;
 use super::reward::StepInfo;
@@ -11,7 +11,7 @@ use super::snapshot::Snapshot;
 use super::view::{EnvArray, Outputs, StepError, StepView};
 use base::error::{Error, Result};
 use base::interrupt;
-use base::number::counted;
+use base::number::format_count;
 use model::sensors::ArraySpec;
 use rayon::prelude::*;
 use record::render::Pixmap;
@@ -66,7 +66,7 @@ impl BatchEnv {
             EnvArray { spec, now: zeros.clone(), last: zeros }
         };
         let outputs = Outputs {
-            arrays: shared.senses.iter().map(|s| array(s.spec())).collect(),
+            arrays: shared.sensors.iter().map(|s| array(s.spec())).collect(),
             reward: vec![0.0; n],
             terminated: vec![false; n],
             truncated: vec![false; n],
@@ -79,7 +79,7 @@ impl BatchEnv {
 
     /// Replaces the reward of the scene by a user-defined function.
     pub fn with_reward(mut self, reward: impl Fn(&StepInfo) -> f64 + Send + Sync + 'static) -> Self {
-        self.shared.custom = Some(Box::new(reward));
+        self.shared.reward_function = Some(Box::new(reward));
         self
     }
 
@@ -95,7 +95,7 @@ impl BatchEnv {
 
     /// Returns the specifications of the observations of one environment.
     pub fn observation_spec(&self) -> Vec<ArraySpec> {
-        self.shared.senses.iter().map(|s| s.spec()).collect()
+        self.shared.sensors.iter().map(|s| s.spec()).collect()
     }
 
     /// Returns the specification of the action of one environment.
@@ -124,7 +124,8 @@ impl BatchEnv {
         mask: Option<&[bool]>,
     ) -> std::result::Result<StepView<'_>, StepError> {
         if seeds.len() != self.envs.len() {
-            let message = format!("{} for {}", counted(seeds.len(), "seed"), counted(self.envs.len(), "environment"));
+            let message =
+                format!("{} for {}", format_count(seeds.len(), "seed"), format_count(self.envs.len(), "environment"));
             return Err(StepError::call(message));
         }
         self.begin(mask, |i| seeds[i].map(|seed| EpisodeKey { seed, env: 0, episode: 0 }))
@@ -141,8 +142,8 @@ impl BatchEnv {
         {
             let message = format!(
                 "the mask has {} for {}",
-                counted(mask.len(), "entry"),
-                counted(self.envs.len(), "environment")
+                format_count(mask.len(), "entry"),
+                format_count(self.envs.len(), "environment")
             );
             return Err(StepError::call(message));
         }
@@ -157,7 +158,7 @@ impl BatchEnv {
                 }
             });
         });
-        self.whole(begun)?;
+        self.finish_parallel(begun)?;
         self.collect();
         self.outputs.ended.fill(false);
         Ok(StepView(&self.outputs))
@@ -174,8 +175,8 @@ impl BatchEnv {
             let (found, n) = (actions.len(), self.envs.len());
             return Err(StepError::call(format!(
                 "{} for {} with {size} each",
-                counted(found, "number"),
-                counted(n, "environment")
+                format_count(found, "number"),
+                format_count(n, "environment")
             )));
         }
         let mode = self.config.autoreset;
@@ -204,7 +205,7 @@ impl BatchEnv {
                 },
             );
         });
-        self.whole(stepped)?;
+        self.finish_parallel(stepped)?;
         self.collect();
         Ok(StepView(&self.outputs))
     }
@@ -247,7 +248,7 @@ impl BatchEnv {
     }
 
     /// Returns true if environment `env` has been reset since its creation or the last interruption.
-    pub fn begun(&self, env: usize) -> bool {
+    pub fn has_started(&self, env: usize) -> bool {
         !self.envs[env].output.obs.is_empty()
     }
 
@@ -257,7 +258,7 @@ impl BatchEnv {
     }
 
     /// Converts the result `done` of parallel work; after an interruption, discards all episodes.
-    fn whole(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
+    fn finish_parallel(&mut self, done: Result<()>) -> std::result::Result<(), StepError> {
         if interrupt::requested() {
             self.envs.iter_mut().for_each(Env::discard_episode);
             return Err(StepError::interrupted());
@@ -271,7 +272,7 @@ impl BatchEnv {
     }
 
     /// Returns the object name and the drawn parameters of the running episode of environment `env`.
-    pub fn episode(&self, env: usize) -> Option<(&str, &Draw)> {
+    pub fn episode(&self, env: usize) -> Option<(&str, &EpisodeParameters)> {
         self.envs[env].draw().map(|draw| (self.shared.kinds[draw.object].name.as_str(), draw))
     }
 

@@ -23,13 +23,13 @@ impl EpisodeKey {
     /// Returns the random generator of this episode; `attempt` counts infeasible starts.
     pub fn random(&self, attempt: u64) -> Random {
         let words = [self.seed, self.env, self.episode, attempt];
-        Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits()))
+        Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).next_u64()))
     }
 }
 
 /// Randomised parameters of an episode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Draw {
+pub struct EpisodeParameters {
     /// Index of the object.
     pub object: usize,
     /// Index of its variant.
@@ -43,28 +43,28 @@ pub struct Draw {
 }
 
 /// Candidate grasps of each object.
-pub type Choices<'a> = &'a [&'a [Pose]];
+pub type GraspCandidates<'a> = &'a [&'a [Pose]];
 
 /// Draws the parameters of an episode. `center` is the midpoint between the pads, hand frame, m.
-pub fn draw(task: &Task, choices: Choices, center: DVec3, random: &mut Random) -> Draw {
+pub fn draw(task: &Task, choices: GraspCandidates, center: DVec3, random: &mut Random) -> EpisodeParameters {
     let scatter = &task.randomise;
-    let object = random.below(choices.len());
-    let variant = random.below(scatter.variants.get());
-    let pose = choices[object][random.below(choices[object].len())];
-    let shift = DVec3::new(0.0, 2.0 * random.unit() - 1.0, 2.0 * random.unit() - 1.0) * scatter.shift.get();
-    let turn = direction(random) * (random.unit() * scatter.turn_deg.get().to_radians());
-    let part = random.unit();
-    Draw {
+    let object = random.uniform_below(choices.len());
+    let variant = random.uniform_below(scatter.variants.get());
+    let pose = choices[object][random.uniform_below(choices[object].len())];
+    let shift = DVec3::new(0.0, 2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0) * scatter.shift.get();
+    let turn = direction(random) * (random.uniform() * scatter.turn_deg.get().to_radians());
+    let part = random.uniform();
+    EpisodeParameters {
         object,
         variant,
-        pose: moved_hand(&pose, center, shift, DQuat::from_scaled_axis(turn)),
-        density: scatter.density.map(|span| span.at(part)),
+        pose: displaced_hand(&pose, center, shift, DQuat::from_scaled_axis(turn)),
+        density: scatter.density.map(|span| span.interpolate(part)),
         pushes: pushes(task, random),
     }
 }
 
 /// Returns the hand pose `pose`, shifted in hand axes (m) and rotated about `center` (hand frame, m).
-pub fn moved_hand(pose: &Pose, center: DVec3, shift: DVec3, turn: DQuat) -> Pose {
+pub fn displaced_hand(pose: &Pose, center: DVec3, shift: DVec3, turn: DQuat) -> Pose {
     Pose {
         position: pose.position + pose.rotation * (center + shift - turn * center),
         rotation: (pose.rotation * turn).normalize(),
@@ -73,7 +73,7 @@ pub fn moved_hand(pose: &Pose, center: DVec3, shift: DVec3, turn: DQuat) -> Pose
 
 /// Draws a unit vector, uniformly distributed on the sphere.
 fn direction(random: &mut Random) -> DVec3 {
-    let (z, angle) = (2.0 * random.unit() - 1.0, TAU * random.unit());
+    let (z, angle) = (2.0 * random.uniform() - 1.0, TAU * random.uniform());
     let r = (1.0 - z * z).max(0.0).sqrt();
     DVec3::new(r * angle.cos(), r * angle.sin(), z)
 }

@@ -1,7 +1,7 @@
 //! Single environment: a world, its episode and its last output.
 
 use super::action::{self, Action};
-use super::draw::{Draw, EpisodeKey};
+use super::draw::{EpisodeKey, EpisodeParameters};
 use super::load::EpisodeLoads;
 use super::picture::picture;
 use super::reward::StepInfo;
@@ -13,7 +13,7 @@ use base::saved_state::{StateReader, StateWriter};
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use model::sensors::Now;
+use model::sensors::SensorInput;
 use record::Frame;
 use record::render::Pixmap;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ use world::environment::Environment;
 use world::schedule::{EarlyTermination, ForceCommand, Phase};
 
 /// Maximum number of attempts to find a feasible start of an episode.
-const TRIES: u64 = 8;
+const MAX_ATTEMPTS: u64 = 8;
 
 /// Last output of an environment.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -45,14 +45,14 @@ pub struct Env {
     pub output: StepOutput,
     /// True if the environment requires a reset.
     pub ended: bool,
-    run: Option<Run>,
+    run: Option<RunningEpisode>,
 }
 
 /// Running episode: the world with the grasped object.
-struct Run {
+struct RunningEpisode {
     environment: Environment,
     frame: Frame,
-    draw: Draw,
+    draw: EpisodeParameters,
     loads: EpisodeLoads,
     force: f64,
     twist: f64,
@@ -72,7 +72,7 @@ impl Env {
     }
 
     /// Returns the drawn parameters of the running episode, if any.
-    pub fn draw(&self) -> Option<&Draw> {
+    pub fn draw(&self) -> Option<&EpisodeParameters> {
         self.run.as_ref().map(|run| &run.draw)
     }
 
@@ -110,9 +110,9 @@ impl Env {
     pub fn restore(&mut self, shared: &EnvShared, snapshot: &Snapshot) -> error::Result<()> {
         let mut history = StateReader(&snapshot.state);
         let (ended, output, running) = history.read()?;
-        let run = if running { Some(Run::restore_state(shared, &mut history)?) } else { None };
+        let run = if running { Some(RunningEpisode::restore_state(shared, &mut history)?) } else { None };
         let before = std::mem::replace(self, Self { key: snapshot.key, output, ended, run });
-        before.run.into_iter().for_each(|run| shared.retire(run.environment));
+        before.run.into_iter().for_each(|run| shared.recycle(run.environment));
         Ok(())
     }
 
@@ -120,14 +120,14 @@ impl Env {
     pub fn begin(&mut self, shared: &EnvShared, key: EpisodeKey) {
         (self.key, self.ended) = (key, false);
         if let Some(run) = self.run.take() {
-            shared.retire(run.environment);
+            shared.recycle(run.environment);
         }
-        self.output = StepOutput { obs: vec![0.0; shared.seen()], ..StepOutput::default() };
-        for attempt in 0..TRIES {
-            match Run::new(shared, shared.draw(&key, attempt)) {
+        self.output = StepOutput { obs: vec![0.0; shared.observation_size()], ..StepOutput::default() };
+        for attempt in 0..MAX_ATTEMPTS {
+            match RunningEpisode::new(shared, shared.draw(&key, attempt)) {
                 Ok(run) => {
                     self.output.fault = None;
-                    see(shared, run.model(shared), &run.frame, &mut self.output.obs);
+                    observe(shared, run.model(shared), &run.frame, &mut self.output.obs);
                     self.run = Some(run);
                     return;
                 }
@@ -151,9 +151,9 @@ impl Env {
     pub fn advance(&mut self, shared: &EnvShared, numbers: &[f32]) {
         let Some(run) = &mut self.run else {
             // The fault of the reset states the reason.
-            let info = StepInfo { most: shared.task.force.at(1.0), ..StepInfo::default() };
+            let info = StepInfo { max_force: shared.task.force.interpolate(1.0), ..StepInfo::default() };
             (self.ended, self.output.terminated, self.output.info) = (true, true, info);
-            self.output.reward = shared.pay(&info) as f32;
+            self.output.reward = shared.reward(&info) as f32;
             return;
         };
         let output = &mut self.output;
@@ -166,15 +166,15 @@ impl Env {
             StepInfo::default()
         });
         let mut seen = vec![0.0; output.obs.len()];
-        see(shared, run.model(shared), &run.frame, &mut seen);
+        observe(shared, run.model(shared), &run.frame, &mut seen);
         if seen.iter().all(|v| v.is_finite()) {
             output.obs = seen;
         } else {
             output.fault = Some("the state is not finite".into());
             info = StepInfo::default();
         }
-        (info.force, info.most) = (run.force, shared.task.force.at(1.0));
-        output.reward = shared.pay(&info) as f32;
+        (info.force, info.max_force) = (run.force, shared.task.force.interpolate(1.0));
+        output.reward = shared.reward(&info) as f32;
         // A task with regrasping continues after a failed grasp.
         output.terminated = !info.held && shared.task.regrasp.is_none();
         output.truncated = !output.terminated && run.step >= shared.steps;
@@ -183,11 +183,11 @@ impl Env {
     }
 }
 
-impl Run {
+impl RunningEpisode {
     /// Closes the hand on the object of the draw, which rests on its support.
-    fn new(shared: &EnvShared, draw: Draw) -> Result<Self, EarlyTermination> {
+    fn new(shared: &EnvShared, draw: EpisodeParameters) -> Result<Self, EarlyTermination> {
         let force = shared.task.start.get();
-        let (environment, frame) = grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
+        let (environment, frame) = start_grasp(shared, &shared.variant(&draw).model, draw.pose, force)?;
         let weight = shared.weight(&draw, &draw.pose);
         let loads = EpisodeLoads { weight, lift: shared.task.lift.get(), pushes: draw.pushes.clone() };
         Ok(Self { environment, frame, draw, loads, force, twist: 0.0, step: 0, slipped: 0.0 })
@@ -201,7 +201,7 @@ impl Run {
     }
 
     fn restore_state(shared: &EnvShared, history: &mut StateReader) -> error::Result<Self> {
-        let (draw, loads, frame): (Draw, EpisodeLoads, Frame) = history.read()?;
+        let (draw, loads, frame): (EpisodeParameters, EpisodeLoads, Frame) = history.read()?;
         let (force, twist, step, slipped) = history.read()?;
         let mut environment = shared.environment(&shared.variant(&draw).model, history.read()?)?;
         environment.restore_state(shared.stepper.as_ref(), history)?;
@@ -219,17 +219,17 @@ impl Run {
         (self.force, self.twist) = (force, twist);
         let model = self.model(shared).clone();
         if let Some(other) = regrasp {
-            let pose = action::regrasped(&self.draw.pose, shared.center(), other);
+            let pose = action::regrasp_pose(&self.draw.pose, shared.center(), other);
             self.loads.weight = shared.weight(&self.draw, &pose);
-            let (environment, frame) = grasp(shared, &model, pose, force)?;
-            shared.retire(std::mem::replace(&mut self.environment, environment));
+            let (environment, frame) = start_grasp(shared, &model, pose, force)?;
+            shared.recycle(std::mem::replace(&mut self.environment, environment));
             self.frame = frame;
             self.slipped = 0.0;
         }
         // A new grasp carries the full weight immediately.
         let step = if regrasp.is_some() { self.step.max(self.loads.lift) } else { self.step };
         let load = self.loads.at(step, twist);
-        let frame = drive(&mut self.environment, &model, force, load)?;
+        let frame = advance_world(&mut self.environment, &model, force, load)?;
         let slip = slip::slip(&model, &self.frame, &frame);
         self.slipped += slip;
         let margin = slip::margin(&model, shared.variant(&self.draw).friction, &frame, load);
@@ -239,7 +239,7 @@ impl Run {
         Ok(StepInfo {
             held: carried && self.slipped <= shared.task.slip_limit.get(),
             slip,
-            slipped: self.slipped,
+            accumulated_slip: self.slipped,
             margin,
             stress,
             force,
@@ -257,28 +257,28 @@ impl EpisodeKey {
 }
 
 /// Creates a world and closes its hand at `pose` with `force` (N, sum over the fingers).
-fn grasp(
+fn start_grasp(
     shared: &EnvShared,
     model: &Arc<Model>,
     pose: Pose,
     force: f64,
 ) -> Result<(Environment, Frame), EarlyTermination> {
     let mut environment = shared.environment(model, pose).map_err(|e| EarlyTermination::fault(e.to_string()))?;
-    match close(&mut environment, model, force) {
+    match close_hand(&mut environment, model, force) {
         Ok(frame) => Ok((environment, frame)),
         Err(stop) => {
-            shared.retire(environment);
+            shared.recycle(environment);
             Err(stop)
         }
     }
 }
 
 /// Closes the hand of a new world with `force` (N, sum over the fingers).
-fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, EarlyTermination> {
+fn close_hand(environment: &mut Environment, model: &Model, force: f64) -> Result<Frame, EarlyTermination> {
     environment.world_mut().insert_resource(ForceCommand { force: 0.0 });
     loop {
         match environment.phase() {
-            Phase::Ramp { .. } => return drive(environment, model, force, DVec3::ZERO),
+            Phase::Ramp { .. } => return advance_world(environment, model, force, DVec3::ZERO),
             Phase::Dropped { reason } => return Err(EarlyTermination { dropped: true, reason }),
             Phase::Infeasible { reason } | Phase::Fault { reason } => return Err(EarlyTermination::fault(reason)),
             Phase::Done => return Err(EarlyTermination::fault("the grasp ended before its first step")),
@@ -288,7 +288,12 @@ fn close(environment: &mut Environment, model: &Model, force: f64) -> Result<Fra
 }
 
 /// Takes one step of the world under `force` (N, sum over the fingers) and `load` on the object (N, hand frame).
-fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) -> Result<Frame, EarlyTermination> {
+fn advance_world(
+    environment: &mut Environment,
+    model: &Model,
+    force: f64,
+    load: DVec3,
+) -> Result<Frame, EarlyTermination> {
     let world = environment.world_mut();
     world.insert_resource(ForceCommand { force: force / model.fingers.len() as f64 });
     world.query::<&mut ObjectWeight>().iter_mut(world).for_each(|mut weight| weight.0 = load);
@@ -302,9 +307,9 @@ fn drive(environment: &mut Environment, model: &Model, force: f64, load: DVec3) 
 }
 
 /// Writes all observations of `frame` to `out`.
-fn see(shared: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
-    let (now, mut rest) = (Now { fingers: &model.fingers, object: &model.object, frame }, out);
-    for sense in &shared.senses {
+fn observe(shared: &EnvShared, model: &Model, frame: &Frame, out: &mut [f32]) {
+    let (now, mut rest) = (SensorInput { fingers: &model.fingers, object: &model.object, frame }, out);
+    for sense in &shared.sensors {
         let (own, others) = rest.split_at_mut(sense.spec().size());
         sense.write(&now, own);
         rest = others;

@@ -31,7 +31,7 @@ pub fn pushes(task: &Task, random: &mut Random) -> Vec<Push> {
     let Some(wanted) = task.pushes else { return Vec::new() };
     let first = task.lift.get() + 1;
     let push = |begin: usize| {
-        let (size, angle) = (wanted.force.at(random.unit()), TAU * random.unit());
+        let (size, angle) = (wanted.force.interpolate(random.uniform()), TAU * random.uniform());
         Push { begin, lasts: wanted.lasts.get(), force: DVec3::new(0.0, angle.cos(), angle.sin()) * size }
     };
     (first..=task.steps.get()).step_by(wanted.every.get()).map(push).collect()

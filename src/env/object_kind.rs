@@ -4,7 +4,7 @@ use super::reward::term;
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use scene::leaf::{Count, NonNegative, Positive};
 use scene::{Field, Loading, MaterialChoice, NamedScene, Record, Scene, Squeeze, Task};
 use std::sync::Arc;
@@ -40,30 +40,30 @@ impl ObjectKind {
         let step = (count / 2 + 1..).find(|s| coprime(*s, count)).unwrap_or(1);
         let part = |k: usize| (k as f64 + 0.5) / count as f64;
         let variant = |k: usize| {
-            let mut scene = alone(&named.scene, task)?;
+            let mut scene = adapted_scene(&named.scene, task)?;
             if let Some(young) = random.young {
-                scene.gripper.material = scaled(&scene.gripper.material, young.at(part(k)))?;
+                scene.gripper.material = scale_stiffness(&scene.gripper.material, young.interpolate(part(k)))?;
             }
             let nominal = scene.gripper.friction.get();
-            let friction = random.friction.map_or(nominal, |span| span.at(part(k * step % count)));
+            let friction = random.friction.map_or(nominal, |span| span.interpolate(part(k * step % count)));
             if stepper.solves_friction() {
-                scene.gripper.friction = leaf(NonNegative::new(friction))?;
+                scene.gripper.friction = checked_value(NonNegative::new(friction))?;
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
                 // `shape` (smallest det F and gap of a prediction) is needed for reports only.
                 (model.needs.task, model.needs.shape) = (true, false);
                 model.needs.observe(&task.observe);
-                model.largest_drift = Some(DRIFT_FACTOR * task.slip_limit.get());
+                model.max_drift = Some(DRIFT_FACTOR * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;
-                model.levels = vec![task.force.at(0.0) * share, task.force.at(1.0) * share];
+                model.levels = vec![task.force.interpolate(0.0) * share, task.force.interpolate(1.0) * share];
                 // The object is free from the first force level.
                 model.release = model.contact_force().min(model.levels[0]);
             }
             Ok(Variant { model, friction })
         };
         let variants = (0..count).map(variant).collect::<Result<Vec<_>>>()?;
-        Ok(Self { name: named.name.as_str().into(), variants, poses: poses_of(&named.scene)? })
+        Ok(Self { name: named.name.as_str().into(), variants, poses: grasp_poses(&named.scene)? })
     }
 }
 
@@ -72,12 +72,17 @@ impl ObjectKind {
 const DRIFT_FACTOR: f64 = 2.0;
 
 /// Returns the scene adapted to an environment: the task defines the loads, and only the fields it uses are recorded.
-fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
+fn adapted_scene(scene: &Scene, task: &Task) -> Result<Scene> {
     let mut scene = scene.clone();
-    scene.promise_nothing();
-    let force = leaf(Positive::new(task.force.at(1.0)))?;
-    scene.loading =
-        Loading::Squeeze(Squeeze { force, from: None, release: None, frames: leaf(Count::new(1))?, push: None });
+    scene.clear_expectations();
+    let force = checked_value(Positive::new(task.force.interpolate(1.0)))?;
+    scene.loading = Loading::Squeeze(Squeeze {
+        force,
+        from: None,
+        release: None,
+        frames: checked_value(Count::new(1))?,
+        push: None,
+    });
     let mut fields = vec![Field::ContactForce];
     fields.extend(task.reward.iter().any(|r| term(r).needs_stress()).then_some(Field::Stress));
     scene.record = Record { fields, pictures: false, arrays: None, vtu: false, tactile: Vec::new() };
@@ -85,13 +90,13 @@ fn alone(scene: &Scene, task: &Task) -> Result<Scene> {
 }
 
 /// Returns the material with Young's modulus multiplied by `factor`.
-fn scaled(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
+fn scale_stiffness(material: &MaterialChoice, factor: f64) -> Result<MaterialChoice> {
     let spec = material.spec();
-    leaf(material.with(spec.young * factor, spec.poisson))
+    checked_value(material.with(spec.young * factor, spec.poisson))
 }
 
 /// Converts the message about an invalid value of the task into an error.
-fn leaf<T>(value: std::result::Result<T, String>) -> Result<T> {
+fn checked_value<T>(value: std::result::Result<T, String>) -> Result<T> {
     value.map_err(|message| Error::Start(format!("task: {message}")))
 }
 

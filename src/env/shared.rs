@@ -1,15 +1,15 @@
 //! Data shared by all environments of a batch.
 
-use super::draw::{Draw, EpisodeKey, draw};
+use super::draw::{EpisodeKey, EpisodeParameters, draw};
 use super::identity::identity;
 pub use super::object_kind::{ObjectKind, Variant};
-use super::reward::{Custom, StepInfo, term};
+use super::reward::{RewardFunction, StepInfo, term};
 use backend::choose;
 use base::error::{Error, Result};
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use model::sensors::{Sense, SensorSetup, sense};
+use model::sensors::{SensorModel, SensorSetup, sensor_model};
 use scene::{NamedScene, Task};
 use std::sync::{Arc, Mutex, PoisonError};
 use world::Stepper;
@@ -26,11 +26,11 @@ pub struct EnvShared {
     /// Backend.
     pub stepper: Box<dyn Stepper>,
     /// Sensors that write the observations, in order.
-    pub senses: Vec<Box<dyn Sense>>,
+    pub sensors: Vec<Box<dyn SensorModel>>,
     /// Number of steps of an episode.
     pub steps: usize,
     /// User-defined reward, if any.
-    pub custom: Option<Box<Custom>>,
+    pub reward_function: Option<Box<RewardFunction>>,
     /// Gravity in the object frame at the start, m/s2.
     gravity: DVec3,
     /// Worlds of finished episodes, for reuse.
@@ -38,7 +38,7 @@ pub struct EnvShared {
 }
 
 /// Maximum number of idle worlds kept for reuse by grasps of the same model.
-const IDLE: usize = 16;
+const MAX_IDLE: usize = 16;
 
 impl EnvShared {
     /// Builds the shared data for `objects` (None is all) of `set`.
@@ -58,19 +58,19 @@ impl EnvShared {
         let first = &set.first().ok_or_else(none)?.scene;
         let missing = || Error::Start("the scene has no `task: (...)`, which defines the task of an agent".into());
         let task = first.task.clone().ok_or_else(missing)?;
-        set.iter().try_for_each(|named| named.scene.gripper.needs_alike("a task"))?;
+        set.iter().try_for_each(|named| named.scene.gripper.require_equal_fingers("a task"))?;
         let stepper = choose(first)?;
         let kinds =
             set.iter().map(|named| ObjectKind::new(named, &task, stepper.as_ref())).collect::<Result<Vec<_>>>()?;
         let model = &kinds[0].variants[0].model;
-        let hand = SensorSetup { fingers: &model.fingers, stroke: model.stroke, force: task.force.at(1.0) };
+        let hand = SensorSetup { fingers: &model.fingers, stroke: model.stroke, force: task.force.interpolate(1.0) };
         Ok(Self {
             identity: identity(first, &task, &kinds)?,
-            senses: task.observe.iter().map(|o| sense(o, &hand)).collect(),
+            sensors: task.observe.iter().map(|o| sensor_model(o, &hand)).collect(),
             stepper,
             steps: max_steps.unwrap_or(task.steps.get()).max(1),
             gravity: task.gravity.map_or(DVec3::ZERO, |g| g.dvec3()),
-            custom: None,
+            reward_function: None,
             idle: Mutex::default(),
             kinds,
             task,
@@ -78,13 +78,13 @@ impl EnvShared {
     }
 
     /// Draws the parameters of an episode; `attempt` counts infeasible starts.
-    pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> Draw {
+    pub fn draw(&self, key: &EpisodeKey, attempt: u64) -> EpisodeParameters {
         let choices: Vec<&[Pose]> = self.kinds.iter().map(|k| k.poses.as_slice()).collect();
         draw(&self.task, &choices, self.center(), &mut key.random(attempt))
     }
 
     /// Returns the variant of a draw.
-    pub fn variant(&self, draw: &Draw) -> &Variant {
+    pub fn variant(&self, draw: &EpisodeParameters) -> &Variant {
         &self.kinds[draw.object].variants[draw.variant]
     }
 
@@ -105,16 +105,16 @@ impl EnvShared {
     }
 
     /// Keeps a world that is no longer needed for reuse; drops the oldest if there are too many.
-    pub fn retire(&self, environment: Environment) {
+    pub fn recycle(&self, environment: Environment) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.push(environment);
-        let first = (idle.len() > IDLE).then(|| idle.remove(0));
+        let first = (idle.len() > MAX_IDLE).then(|| idle.remove(0));
         drop(idle);
         drop(first);
     }
 
     /// Returns the weight of the object with the hand at `pose`, N, hand frame.
-    pub fn weight(&self, draw: &Draw, pose: &Pose) -> DVec3 {
+    pub fn weight(&self, draw: &EpisodeParameters, pose: &Pose) -> DVec3 {
         let model = &self.variant(draw).model;
         let mass = draw.density.map_or(model.mass, |d| d * model.object.mass.volume);
         pose.inverse().rotation * self.gravity * mass
@@ -127,15 +127,15 @@ impl EnvShared {
     }
 
     /// Returns the total number of observed values.
-    pub fn seen(&self) -> usize {
-        self.senses.iter().map(|s| s.spec().size()).sum()
+    pub fn observation_size(&self) -> usize {
+        self.sensors.iter().map(|s| s.spec().size()).sum()
     }
 
     /// Returns the reward of a step.
-    pub fn pay(&self, info: &StepInfo) -> f64 {
-        match &self.custom {
+    pub fn reward(&self, info: &StepInfo) -> f64 {
+        match &self.reward_function {
             Some(custom) => custom(info),
-            None => self.task.reward.iter().map(|r| term(r).pay(info)).sum(),
+            None => self.task.reward.iter().map(|r| term(r).reward(info)).sum(),
         }
     }
 }

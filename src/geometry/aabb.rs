@@ -16,7 +16,7 @@ impl Aabb {
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// Returns the smallest box around `points`.
-    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |mut b, p| {
             b.include(p);
             b
@@ -52,14 +52,14 @@ impl Aabb {
     }
 
     /// Returns true if the two boxes have a point in common.
-    pub fn meets(&self, other: &Self) -> bool {
+    pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
     /// Returns the parameter `t` at which the ray `o + t / inverse` enters the box, if it does so at some `0 <= t <=
     /// max`.
     #[inline]
-    pub fn ray(&self, o: DVec3, inverse: DVec3, max: f64) -> Option<f64> {
+    pub fn ray_entry(&self, o: DVec3, inverse: DVec3, max: f64) -> Option<f64> {
         let (a, b) = ((self.min - o) * inverse, (self.max - o) * inverse);
         // A component is 0 * inf = NaN when the ray lies in a slab's plane; f64::min/max ignore the NaN, as intended.
         let enter = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(0.0);

@@ -1,6 +1,6 @@
 //! Height of a curved face over a regular grid of points in the plane below it.
 
-use super::barycentric::{barycentric, least};
+use super::barycentric::{barycentric, min_coordinate};
 use super::face_lookup::FaceLookup;
 use super::triangle6::{position, tangents};
 use glam::{DMat2, DVec2, DVec3, Vec3Swizzles};
@@ -19,9 +19,9 @@ pub struct PlaneGrid {
 /// Number of Newton iterations for the point of a triangle above a given point.
 const ITERATIONS: usize = 8;
 /// Distance from the given point, over the size of the triangle, at which the iteration has converged.
-const CLOSE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 /// Barycentric coordinate below which a point lies outside its triangle.
-const OUTSIDE: f64 = -1e-6;
+const MIN_BARYCENTRIC: f64 = -1e-6;
 
 impl PlaneGrid {
     /// Returns point (row, column), the centre of that cell.
@@ -41,22 +41,23 @@ impl PlaneGrid {
     }
 
     /// Returns the rows and columns of the cells whose centres lie in the bounding rectangle of `points`.
-    pub fn amid(&self, points: &[DVec2]) -> impl Iterator<Item = [usize; 2]> + use<> {
+    pub fn cells_around(&self, points: &[DVec2]) -> impl Iterator<Item = [usize; 2]> + use<> {
         let (low, high) =
             points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        let [rows, cols] = [0, 1].map(|axis| self.within(axis, [low[axis], high[axis]]));
+        let [rows, cols] = [0, 1].map(|axis| self.cell_range(axis, [low[axis], high[axis]]));
         rows.flat_map(move |row| cols.clone().map(move |col| [row, col]))
     }
 
     /// Returns the indices along one axis of the cells whose centres lie between two coordinates.
-    fn within(&self, axis: usize, [low, high]: [f64; 2]) -> std::ops::Range<usize> {
+    fn cell_range(&self, axis: usize, [low, high]: [f64; 2]) -> std::ops::Range<usize> {
         let at = |x: f64| (x - self.low[axis]) / self.size[axis] * self.cells[axis] as f64 - 0.5;
         let bound = |v: f64| v.clamp(0.0, self.cells[axis] as f64) as usize;
         bound(at(low).ceil())..bound(at(high).floor() + 1.0)
     }
 
     /// Computes the height (rows, columns) of a face of 6-node `triangles`: three corners, then the midpoints of (0,1),
-    /// (1,2) and (2,0). A point outside the face has the height at the point that [`FaceLookup::place`] returns for it.
+    /// (1,2) and (2,0). A point outside the face has the height at the point that [`FaceLookup::locate`] returns for
+    /// it.
     pub fn heights(&self, triangles: &[[DVec3; 6]]) -> Vec<f64> {
         let [rows, cols] = self.cells;
         let mut heights = vec![None; rows * cols];
@@ -66,15 +67,15 @@ impl PlaneGrid {
             let (low, high) = (nodes.into_iter().reduce(DVec2::min), nodes.into_iter().reduce(DVec2::max));
             let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
             let more = 0.25 * (high - low);
-            for [row, col] in self.amid(&[low - more, high + more]) {
+            for [row, col] in self.cells_around(&[low - more, high + more]) {
                 let height = &mut heights[row * cols + col];
-                *height = height.or_else(|| over(x, self.point(row, col)));
+                *height = height.or_else(|| height_above(x, self.point(row, col)));
             }
         }
         let corners: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|k| [6 * k, 6 * k + 1, 6 * k + 2]).collect();
         let lookup = FaceLookup::new(triangles.as_flattened(), &corners);
         let beside = |k: usize| {
-            let place = lookup.place(self.point(k / cols, k % cols));
+            let place = lookup.locate(self.point(k / cols, k % cols));
             place.map_or(0.0, |(triangle, l)| position(&triangles[triangle], l).z)
         };
         heights.into_iter().enumerate().map(|(k, height)| height.unwrap_or_else(|| beside(k))).collect()
@@ -82,13 +83,13 @@ impl PlaneGrid {
 }
 
 /// Height of the triangle above a point; None outside the triangle, or if the iteration does not converge.
-fn over(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
+fn height_above(x: &[DVec3; 6], p: DVec2) -> Option<f64> {
     let size = x[0].xy().distance(x[1].xy());
     let mut l = barycentric(p, [x[0].xy(), x[1].xy(), x[2].xy()]);
     for _ in 0..ITERATIONS {
         let off = p - position(x, l).xy();
-        if off.length() < CLOSE * size {
-            return (least(l) > OUTSIDE).then(|| position(x, l).z);
+        if off.length() < TOLERANCE * size {
+            return (min_coordinate(l) > MIN_BARYCENTRIC).then(|| position(x, l).z);
         }
         let [u, v] = tangents(x, l).map(|t| t.xy());
         let step = DMat2::from_cols(u, v).inverse() * off;

@@ -1,18 +1,19 @@
 //! Choice of the pad mesh from `accuracy`, an alternative to a spacing.
 //!
 //! Most of the discretisation error of the displacement arises at the edge of the contact and decreases with the square
-//! of the cell width there. Relative to the displacement of the whole pad, it is about `ERROR h^2 / (l t)` with the
-//! cell width `h`, the pad thickness `t` and the size `l` of the contact patch: twice its area over its perimeter,
-//! which is the radius of a circular patch. The deformation due to an edge decays over about a thickness, so that `l`
-//! is limited to `REACH` thicknesses. The patch is that of a Winkler foundation (Winkler 1867) with the stiffness of
-//! the pad, pressed onto the object's profile by the final force, or to the final depth. The number of layers follows
-//! from the spacing: its influence is small. docs/verification.md compares the formula with mesh refinement sequences.
+//! of the cell width there. Relative to the displacement of the whole pad, it is about `ERROR_COEFFICIENT h^2 / (l t)`
+//! with the cell width `h`, the pad thickness `t` and the size `l` of the contact patch: twice its area over its
+//! perimeter, which is the radius of a circular patch. The deformation due to an edge decays over about a thickness, so
+//! that `l` is limited to `MAX_PATCH_RATIO` thicknesses. The patch is that of a Winkler foundation (Winkler 1867) with
+//! the stiffness of the pad, pressed onto the object's profile by the final force, or to the final depth. The number of
+//! layers follows from the spacing: its influence is small. docs/verification.md compares the formula with mesh
+//! refinement sequences.
 
-use crate::grasp::{object_of, poses_of};
+use crate::grasp::{grasp_poses, resolve_object};
 use crate::gripper::Hand;
 use crate::part::{object, pad};
 use base::error::Result;
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use geometry::Aabb;
 use geometry::Pose;
 use geometry::pad::{Resolution, dome};
@@ -25,11 +26,11 @@ use scene::{Fingers, Loading, Pads, Scene, motion};
 
 /// Relative error of the displacement over `h^2 / (l t)`, fitted to the mesh refinement sequences of
 /// `scenes/references.ron`.
-const ERROR: f64 = 0.3;
+const ERROR_COEFFICIENT: f64 = 0.3;
 /// Largest patch size with an influence on the error, in pad thicknesses.
-const REACH: f64 = 1.4;
+const MAX_PATCH_RATIO: f64 = 1.4;
 /// Stiffness of the foundation over `E / ((1 - nu^2) t)`, from the travel under spheres and cylinders.
-const FOUNDATION: f64 = 2.1;
+const FOUNDATION_STIFFNESS: f64 = 2.1;
 /// Number of sample points of the profile along each side of a pad.
 const POINTS: usize = 64;
 /// Largest number of grasps that are evaluated, spread over those of the scene.
@@ -37,15 +38,15 @@ const GRASPS: usize = 16;
 /// Ratio of the cell widths at the rim and at the centre, for patches near the centre.
 const FOCUS: f64 = 2.0;
 /// Smallest number of cells across the shorter side of a pad.
-const FEWEST: f64 = 4.0;
+const MIN_CELLS: f64 = 4.0;
 
 /// Chosen mesh, with the reason.
 #[derive(Debug, Clone)]
-pub struct Choice {
+pub struct MeshChoice {
     /// Pads with spacing and focus.
     pub pads: Pads,
     /// Reason for the choice, one sentence.
-    pub why: String,
+    pub reason: String,
 }
 
 /// Returns the scene with the mesh chosen for its accuracy; unchanged if it has no accuracy.
@@ -55,9 +56,9 @@ pub struct Choice {
 pub fn with_chosen_mesh(scene: &Scene) -> Result<Scene> {
     let mut scene = scene.clone();
     if scene.gripper.pads.accuracy().is_some() {
-        let object = object_of(&scene, &mut Vec::new())?;
-        let object = object::build(&object, &mut Vec::new()).map_err(|e| e.about("object.shape"))?;
-        if let Some(choice) = choose(&scene, &object)? {
+        let object = resolve_object(&scene, &mut Vec::new())?;
+        let object = object::build(&object, &mut Vec::new()).map_err(|e| e.with_field("object.shape"))?;
+        if let Some(choice) = choose_mesh(&scene, &object)? {
             scene.gripper.pads = choice.pads;
         }
     }
@@ -68,55 +69,55 @@ pub fn with_chosen_mesh(scene: &Scene) -> Result<Scene> {
 ///
 /// # Errors
 /// Fails if the grasps cannot be found.
-pub fn choose(scene: &Scene, object: &Shape) -> Result<Option<Choice>> {
+pub fn choose_mesh(scene: &Scene, object: &Shape) -> Result<Option<MeshChoice>> {
     let pads = &scene.gripper.pads;
     let (Some(accuracy), Some(size)) = (pads.accuracy(), pad::extent(pads)) else { return Ok(None) };
-    let bed = WinklerFoundation::of(scene, size);
-    let poses = poses_of(scene)?;
+    let bed = WinklerFoundation::from_scene(scene, size);
+    let poses = grasp_poses(scene)?;
     let step = poses.len().div_ceil(GRASPS).max(1);
     let looked_at = poses.iter().enumerate().step_by(step);
     let patches = looked_at.flat_map(|(grasp, pose)| bed.patches(scene, object, grasp, pose));
-    let Some(all) = patches.reduce(Patch::demanding) else {
+    let Some(all) = patches.reduce(Patch::smaller) else {
         let why = format!(
             "accuracy {}: none of the checked grasps touches the object, so the mesh is that without `accuracy`",
-            shown(accuracy)
+            format_number(accuracy)
         );
-        return Ok(Some(Choice { pads: pads.with_mesh(None, None), why }));
+        return Ok(Some(MeshChoice { pads: pads.with_mesh(None, None), reason: why }));
     };
     let [x, y, thickness] = size;
-    let length = all.size.min(REACH * thickness);
-    let wanted = (length * thickness * accuracy / ERROR).sqrt();
-    let at_edge = wanted.min(x.min(y) / FEWEST);
+    let length = all.size.min(MAX_PATCH_RATIO * thickness);
+    let wanted = (length * thickness * accuracy / ERROR_COEFFICIENT).sqrt();
+    let at_edge = wanted.min(x.min(y) / MIN_CELLS);
     let focus = match pads.focus() {
         given if given > 1.0 => given,
-        _ if Resolution::widening(FOCUS, all.reach) < 1.0 + (FOCUS - 1.0) / 3.0 => FOCUS,
+        _ if Resolution::width_ratio(FOCUS, all.reach) < 1.0 + (FOCUS - 1.0) / 3.0 => FOCUS,
         _ => 1.0,
     };
-    let spacing = at_edge / Resolution::widening(focus, all.reach);
-    let three = |v: f64| shown(rounded(v, 3));
+    let spacing = at_edge / Resolution::width_ratio(focus, all.reach);
+    let three = |v: f64| format_number(round_significant(v, 3));
     let why = format!(
         "accuracy {}: the smallest contact patch, of grasp {} on the {} pad, has a size of {} mm (twice its area over \
          its perimeter) and extends to {} of the half width of the pad; spacing {} mm with focus {} gives cells of {} \
          mm at its edge",
-        shown(accuracy),
+        format_number(accuracy),
         all.grasp,
         pad_name(all.side),
         three(all.size * 1e3),
         three(all.reach),
         three(spacing * 1e3),
-        shown(focus),
+        format_number(focus),
         three(at_edge * 1e3),
     );
     let (spacing, focus) = (Length::new(spacing).ok(), Ratio::new(focus).ok());
-    Ok(Some(Choice { pads: pads.with_mesh(spacing, focus), why }))
+    Ok(Some(MeshChoice { pads: pads.with_mesh(spacing, focus), reason: why }))
 }
 
 /// Returns the indentation of the pad of finger `side` at `pose` under the largest load, by the Winkler foundation, m;
 /// None for a pad without contact, or which starts inside the object. `size` is the size of the pad along x, y and z,
 /// m. The gel stiffens under compression, so that beyond a few tenths of the thickness the result is an upper bound.
 pub fn indentation(scene: &Scene, object: &Shape, side: usize, size: [f64; 3], pose: &Pose) -> Option<f64> {
-    let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
-    let bed = WinklerFoundation::of(&own, size);
+    let own = Scene { gripper: scene.gripper.with_equal_fingers(side), ..scene.clone() };
+    let bed = WinklerFoundation::from_scene(&own, size);
     let gaps = bed.gaps(object, pose, *closing(scene).get(side)?)?;
     let first = gaps.iter().copied().reduce(f64::min).filter(|first| first.is_finite())?;
     Some(bed.depth(&gaps, first, 4.0 * bed.half.x * bed.half.y / (POINTS * POINTS) as f64))
@@ -144,7 +145,7 @@ struct Patch {
 
 impl Patch {
     /// Returns the smaller patch, with the larger of the two reaches.
-    fn demanding(self, other: Self) -> Self {
+    fn smaller(self, other: Self) -> Self {
         let smaller = if other.size < self.size { other } else { self };
         Self { reach: self.reach.max(other.reach), ..smaller }
     }
@@ -168,12 +169,12 @@ enum Load {
 }
 
 impl WinklerFoundation {
-    fn of(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
+    fn from_scene(scene: &Scene, [x, y, thickness]: [f64; 3]) -> Self {
         let half = 0.5 * DVec2::new(x, y);
         let bounds = Aabb { min: (-half).extend(-thickness), max: half.extend(0.0) };
         let hand = Hand::new(bounds, &scene.gripper);
         let spec = scene.gripper.material.spec();
-        let stiffness = FOUNDATION * spec.young / (1.0 - spec.poisson * spec.poisson) / thickness;
+        let stiffness = FOUNDATION_STIFFNESS * spec.young / (1.0 - spec.poisson * spec.poisson) / thickness;
         let share = if scene.gripper.fingers == Fingers::Both { 0.5 } else { 1.0 };
         let load = match &scene.loading {
             Loading::Squeeze(squeeze) => Load::Volume(share * squeeze.force.get() / stiffness),

@@ -4,7 +4,7 @@ use geometry::Pose;
 use geometry::shape::Shape;
 use glam::DVec3;
 use mech::contact::law::ContactLaw;
-use scene::motion::{self, HandState, Motion, Stage};
+use scene::motion::{self, HandState, Motion, MotionContext};
 use scene::{Ground, Loading, Scene};
 
 /// Time step, motions, gravity and ground. The world frame is the object frame at the start of the grasp.
@@ -29,7 +29,7 @@ pub struct Dynamics {
     /// Ground under the object.
     pub support: Option<Support>,
     motions: Vec<Motion>,
-    stage: Stage,
+    stage: MotionContext,
 }
 
 /// Ground plane `normal . x = height`.
@@ -58,7 +58,7 @@ const STICKING: f64 = 10.0;
 impl Dynamics {
     /// Returns the dynamics of `scene` if it is dynamic; `mass` is the mass of the object, kg, `offset` the contact
     /// offset, m.
-    pub fn of(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
+    pub fn from_scene(scene: &Scene, object: &Shape, mass: f64, offset: f64) -> Option<Self> {
         let Loading::Dynamic(dynamic) = &scene.loading else { return None };
         let gravity = scene.gravity.map_or(DVec3::ZERO, |g| g.dvec3());
         let squeezes = motion::squeezes(&dynamic.motions);
@@ -91,7 +91,7 @@ impl Dynamics {
                 }
             }),
             motions: dynamic.motions.clone(),
-            stage: Stage {
+            stage: MotionContext {
                 up: (-gravity).normalize_or_zero(),
                 center: DVec3::new(0.0, placement.y.get(), placement.z.get()),
             },
@@ -106,6 +106,6 @@ impl Dynamics {
     /// Returns the state of the hand at `time` (s) of a grasp that starts at `pose`.
     pub fn hand(&self, pose: &Pose, time: f64) -> HandState {
         let start = HandState { pose: *pose, force: 0.0 };
-        motion::follow(&self.motions, &start, time, &self.stage)
+        motion::hand_state_at(&self.motions, &start, time, &self.stage)
     }
 }

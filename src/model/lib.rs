@@ -8,9 +8,9 @@
 
 pub mod accuracy;
 pub mod dynamics;
+pub mod evaluation;
 pub mod grasp;
 pub mod gripper;
-pub mod judge;
 pub mod limits;
 pub mod needs;
 mod pads;
@@ -22,12 +22,12 @@ pub use dynamics::Dynamics;
 pub use needs::Needs;
 pub use push::PushLoad;
 
-use crate::grasp::object_of;
-use crate::judge::Auditor;
+use crate::evaluation::Auditor;
+use crate::grasp::resolve_object;
 use crate::part::{FingerModel, object};
-use crate::sensors::{Sense, SensorSetup};
+use crate::sensors::{SensorModel, SensorSetup};
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 use geometry::Aabb;
 use geometry::shape::Shape;
 use glam::DVec3;
@@ -82,7 +82,7 @@ pub struct Model {
     pub dynamics: Option<Dynamics>,
     /// Largest motion of a free object within one load level, once it is held, m; above it the object counts as lost.
     /// None is no limit.
-    pub largest_drift: Option<f64>,
+    pub max_drift: Option<f64>,
     /// Motion relative to the hand after which a free object counts as dropped; None for a fixed object and in a
     /// dynamic scene.
     pub dropped_after: Option<DropLimits>,
@@ -93,7 +93,7 @@ pub struct Model {
     /// Auditor of the recorded frames, if the scene requires one.
     pub auditor: Option<Arc<Auditor>>,
     /// Tactile observations that the scene records.
-    pub senses: Arc<[Box<dyn Sense>]>,
+    pub sensors: Arc<[Box<dyn SensorModel>]>,
     /// Repairs and assumptions, one sentence each.
     pub notices: Vec<String>,
 }
@@ -117,8 +117,8 @@ impl Model {
     /// Returns an error that names the part that cannot be simulated, and the remedy.
     pub fn build(scene: &Scene) -> Result<Arc<Self>> {
         let mut notices: Vec<String> = scene.gripper.notice.0.iter().cloned().collect();
-        let scaled = object_of(scene, &mut notices)?;
-        let object = object::build(&scaled, &mut notices).map_err(|e| e.about("object.shape"))?;
+        let scaled = resolve_object(scene, &mut notices)?;
+        let object = object::build(&scaled, &mut notices).map_err(|e| e.with_field("object.shape"))?;
         let fem = match &scene.stepper {
             StepperChoice::Fem(fem) => *fem,
             StepperChoice::Gnn(_) => scene::Fem::default(),
@@ -126,10 +126,10 @@ impl Model {
         let MeshedPads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
         let object = object::with_contact_surface(&scaled, object, spacing, &mut notices)
-            .map_err(|e| e.about("object.surface"))?;
+            .map_err(|e| e.with_field("object.surface"))?;
         let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();
-        let dynamics = Dynamics::of(scene, &object, mass, offset);
+        let dynamics = Dynamics::from_scene(scene, &object, mass, offset);
         let squeeze = matches!(scene.loading, Loading::Squeeze(_));
         let force_driven = squeeze || dynamics.as_ref().is_some_and(Dynamics::squeezes);
         let share = if squeeze { 1.0 / sides as f64 } else { 1.0 };
@@ -138,29 +138,29 @@ impl Model {
             Loading::Squeeze(squeeze) => squeeze.push.map(|push| PushLoad::new(&push, levels.len())),
             Loading::Press(_) | Loading::Dynamic(_) => None,
         };
-        let held = push.iter().flat_map(|push| &push.parts[levels.len()..]).map(|_| levels.last().copied());
+        let held = push.iter().flat_map(|push| &push.fractions[levels.len()..]).map(|_| levels.last().copied());
         let held: Vec<f64> = held.flatten().collect();
         levels.extend(held);
         if levels.is_empty() {
             return Err(Error::Start("the loading has no recorded frame; give a press `depth` or `depths`".into()));
         }
-        if let (Loading::Press(_), Some(thickness)) = (&scene.loading, thinnest(&fingers)) {
+        if let (Loading::Press(_), Some(thickness)) = (&scene.loading, min_thickness(&fingers)) {
             let depth = levels.iter().copied().fold(0.0, f64::max);
             if depth >= thickness {
-                let [depth, thickness] = [depth, thickness].map(|v| shown(v * 1e3));
+                let [depth, thickness] = [depth, thickness].map(|v| format_number(v * 1e3));
                 let message = format!("a press of {depth} mm exceeds the thickness of the pad, {thickness} mm");
-                return Err(Error::Start(format!("{message}; give a smaller depth")).about("loading"));
+                return Err(Error::Start(format!("{message}; give a smaller depth")).with_field("loading"));
             }
         }
         let free = scene.object.motion == ObjectMotion::Free;
-        let needs = Needs::of(scene);
+        let needs = Needs::from_scene(scene);
         // A quasi-static solution is path-dependent only with friction.
         let depends = needs.friction && dynamics.is_none() && !fingers.is_empty();
-        let audit = || Arc::new(Auditor::new(&scene.promises(), &scaled, &object, &fingers, offset));
+        let audit = || Arc::new(Auditor::new(&scene.expectations(), &scaled, &object, &fingers, offset));
         let auditor = needs.audit.then(audit);
         let stroke = scene.gripper.stroke.get();
         let hand = SensorSetup { fingers: &fingers, stroke, force: f64::INFINITY };
-        let senses = scene.record.tactile.iter().map(|observe| sensors::sense(observe, &hand)).collect();
+        let senses = scene.record.tactile.iter().map(|observe| sensors::sensor_model(observe, &hand)).collect();
         let mut model = Self {
             release: 0.0,
             path_error: depends.then(|| fem.path.get()),
@@ -178,22 +178,22 @@ impl Model {
             levels,
             push,
             dynamics,
-            largest_drift: None,
+            max_drift: None,
             dropped_after: None,
             memory,
             needs,
             auditor,
-            senses,
+            sensors: senses,
             notices,
             object,
         };
-        model.release = model.released_at(&scene.loading);
-        model.dropped_after = model.dropped_after(&scene.object.dropped_after);
+        model.release = model.release_force(&scene.loading);
+        model.dropped_after = model.drop_limits(&scene.object.dropped_after);
         Ok(Arc::new(model))
     }
 
     /// Returns the motion after which the object counts as dropped; by default half of the shortest side of the pads.
-    fn dropped_after(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
+    fn drop_limits(&self, given: &scene::object::DroppedAfter) -> Option<DropLimits> {
         let sides = self.fingers.iter().map(|finger| finger.bounds().size().truncate().min_element());
         let half = 0.5 * sides.reduce(f64::min)?;
         let distance = given.distance.map_or(half, |distance| distance.get());
@@ -203,10 +203,10 @@ impl Model {
 
     /// Returns the model with other forces per finger, N, than those of its squeeze `loading`, and with another
     /// coefficient of friction.
-    pub fn under(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
+    pub fn with_loading(&self, loading: &Loading, levels: Vec<f64>, friction: f64) -> Self {
         let mut model = Self { levels, friction, ..self.clone() };
         model.fingers.iter_mut().for_each(|finger| finger.law.friction = friction);
-        model.release = model.released_at(loading);
+        model.release = model.release_force(loading);
         model
     }
 
@@ -231,7 +231,7 @@ impl Model {
     }
 
     /// Returns true if all pads are equal.
-    pub fn alike(&self) -> bool {
+    pub fn has_equal_pads(&self) -> bool {
         self.fingers.windows(2).all(|pair| Arc::ptr_eq(&pair[0].topology, &pair[1].topology))
     }
 
@@ -255,12 +255,12 @@ impl Model {
 
     /// Returns the thickness of the thinnest pad, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
-        thinnest(&self.fingers).unwrap_or(0.0)
+        min_thickness(&self.fingers).unwrap_or(0.0)
     }
 
     /// Returns the fraction of the push in frame `frame`; zero without a push.
-    pub fn push_part(&self, frame: usize) -> f64 {
-        self.push.as_ref().and_then(|push| push.parts.get(frame)).copied().unwrap_or(0.0)
+    pub fn push_fraction(&self, frame: usize) -> f64 {
+        self.push.as_ref().and_then(|push| push.fractions.get(frame)).copied().unwrap_or(0.0)
     }
 
     /// Returns true if the object is held in place first and released at [`Model::release`].
@@ -269,7 +269,7 @@ impl Model {
     }
 
     /// Returns true if the object is still held in place at the force `force` per finger, N.
-    pub fn holds(&self, force: f64) -> bool {
+    pub fn holds_object(&self, force: f64) -> bool {
         self.is_released_later() && force < self.release
     }
 
@@ -281,7 +281,7 @@ impl Model {
     /// Returns the force per finger at which a free object is released, N. Unless the scene gives it, an object is
     /// released at the contact force, and an object with weight at no less than half of the final force; at the final
     /// force at the latest.
-    fn released_at(&self, loading: &Loading) -> f64 {
+    fn release_force(&self, loading: &Loading) -> f64 {
         let Loading::Squeeze(squeeze) = loading else { return 0.0 };
         let last = self.levels.last().copied().unwrap_or(0.0);
         let lifted = if self.gravity.is_some() { HEAVY_RELEASE_RATIO * last } else { 0.0 };
@@ -292,14 +292,14 @@ impl Model {
     /// Returns true if the fingers travel equal distances, as in a parallel gripper. With independent fingers, fingers
     /// and free object could translate together along the closing direction without any force. Around a fixed object,
     /// each finger has its own equilibrium.
-    pub fn geared(&self) -> bool {
+    pub fn has_coupled_fingers(&self) -> bool {
         self.free || self.dynamics.is_some()
     }
 
     /// Returns the number of unknowns of the solver: pads, travels, pose.
     pub fn unknowns(&self) -> Unknowns {
         let pads: Vec<usize> = self.fingers.iter().map(|f| f.body.unknowns()).collect();
-        let travels = match (self.force_driven, self.geared()) {
+        let travels = match (self.force_driven, self.has_coupled_fingers()) {
             (false, _) => 0,
             (true, false) => self.fingers.len(),
             (true, true) => self.fingers.len().min(1),
@@ -310,7 +310,7 @@ impl Model {
 }
 
 /// Returns the thickness of the thinnest pad, m.
-fn thinnest(fingers: &[FingerModel]) -> Option<f64> {
+fn min_thickness(fingers: &[FingerModel]) -> Option<f64> {
     fingers.iter().map(|f| f.topology.thickness()).reduce(f64::min)
 }
 

@@ -46,45 +46,45 @@ impl PadSize {
     }
 
     /// Estimates the memory of the solver per pad of this size, bytes.
-    fn solving(&self) -> f64 {
-        let factor = FACTOR * (self.unknowns as f64).powf(FACTOR_POWER);
-        factor + NODE * self.nodes as f64
+    fn solver_memory(&self) -> f64 {
+        let factor = FACTOR_BYTES * (self.unknowns as f64).powf(FACTOR_POWER);
+        factor + SOLVER_BYTES_PER_NODE * self.nodes as f64
     }
 }
 
 /// Memory of a Cholesky factor over `unknowns^FACTOR_POWER`, bytes. Both constants are fitted to presses of one pad:
 /// 42, 133, 491 and 1366 MB with 5,100, 19,314, 54,390 and 107,604 unknowns, which the estimate reproduces to within a
 /// sixth, the large ones to 5 %.
-const FACTOR: f64 = 60.0;
+const FACTOR_BYTES: f64 = 60.0;
 /// Exponent of the number of unknowns. It is asymptotically 4/3 for nested dissection in three dimensions; the factors
 /// of plates of these sizes grow faster.
 const FACTOR_POWER: f64 = 1.45;
 /// Memory per node without the factor (mesh, stiffness, states), bytes.
-const NODE: f64 = 3000.0;
+const SOLVER_BYTES_PER_NODE: f64 = 3000.0;
 /// Memory per node of a mesh without a solver, bytes.
-const MESHED: f64 = 2500.0;
+const MESH_BYTES_PER_NODE: f64 = 2500.0;
 
 /// Estimates the memory of a grasp of `scene` with pads of this size, bytes; `sides` is the number of its fingers.
-pub fn memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
+pub fn estimate_memory(scene: &Scene, pad: PadSize, sides: usize) -> u64 {
     let each = match scene.stepper {
-        StepperChoice::Fem(_) => pad.solving(),
-        StepperChoice::Gnn(_) => MESHED * pad.nodes as f64,
+        StepperChoice::Fem(_) => pad.solver_memory(),
+        StepperChoice::Gnn(_) => MESH_BYTES_PER_NODE * pad.nodes as f64,
     };
-    (each * sides as f64).max(MESHED * pad.nodes as f64) as u64
+    (each * sides as f64).max(MESH_BYTES_PER_NODE * pad.nodes as f64) as u64
 }
 
 /// Refuses a scene that needs more memory than is free.
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] with the sizes and the remedy.
-pub fn admit(need: u64, pad: PadSize) -> Result<()> {
+pub fn check_memory(need: u64, pad: PadSize) -> Result<()> {
     match free_memory() {
         Some(free) if need > free => Err(Error::Mesh(format!(
             "pads of {} nodes, {} unknowns each, need about {} of memory, but only {} are free; use a larger spacing",
             pad.nodes,
             pad.unknowns,
-            bytes(need),
-            bytes(free)
+            format_bytes(need),
+            format_bytes(free)
         ))),
         _ => Ok(()),
     }
@@ -94,14 +94,14 @@ pub fn admit(need: u64, pad: PadSize) -> Result<()> {
 ///
 /// # Errors
 /// Returns [`Error::File`] with the sizes and the remedy.
-pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
+pub fn check_disk_space(need: u64, dir: &Path) -> Result<()> {
     match free_disk(dir) {
         Some(free) if need > free => {
             let message = format!(
                 "the data set needs up to {}, but only {} are free there; choose another folder, fewer grasps or fewer \
                  frames",
-                bytes(need),
-                bytes(free)
+                format_bytes(need),
+                format_bytes(free)
             );
             Err(Error::file(dir, message))
         }
@@ -110,7 +110,7 @@ pub fn require_disk(need: u64, dir: &Path) -> Result<()> {
 }
 
 /// Formats a size as text.
-pub fn bytes(n: u64) -> String {
+pub fn format_bytes(n: u64) -> String {
     let n = n as f64;
     match n {
         n if n >= 1e12 => format!("{:.1} TB", n / 1e12),
@@ -203,11 +203,11 @@ mod control_group {
         let root = Path::new(version.root);
         // In a container, its own group may be the root of the mounted hierarchy.
         let own: PathBuf = root.join(path.trim_start_matches('/'));
-        own.ancestors().take_while(|dir| dir.starts_with(root)).filter_map(|dir| version.left(dir)).min()
+        own.ancestors().take_while(|dir| dir.starts_with(root)).filter_map(|dir| version.free_in_group(dir)).min()
     }
 
     impl Version {
-        fn left(&self, dir: &Path) -> Option<u64> {
+        fn free_in_group(&self, dir: &Path) -> Option<u64> {
             let number = |file: &str| std::fs::read_to_string(dir.join(file)).ok()?.trim().parse::<u64>().ok();
             let (limit, taken) = (number(self.limit)?, number(self.taken)?);
             let stat = std::fs::read_to_string(dir.join("memory.stat")).unwrap_or_default();

@@ -40,21 +40,21 @@ pub struct Needs {
 
 impl Needs {
     /// Returns the requirements of `scene`.
-    pub fn of(scene: &Scene) -> Self {
-        let promises = scene.promises();
+    pub fn from_scene(scene: &Scene) -> Self {
+        let expectations = scene.expectations();
         let recorded = |field: Field| scene.record.fields.contains(&field);
         let mut needs = Self {
-            stress: recorded(Field::Stress) || promises.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
+            stress: recorded(Field::Stress) || expectations.iter().any(|e| matches!(e, Expectation::MaxStress(_))),
             contact_force: recorded(Field::ContactForce),
             gap: recorded(Field::Gap),
-            friction: [0, 1].iter().any(|side| scene.gripper.like(*side).friction.get() > 0.0),
+            friction: [0, 1].iter().any(|side| scene.gripper.with_equal_fingers(*side).friction.get() > 0.0),
             gravity: scene.gravity.is_some_and(|g| g.dvec3() != glam::DVec3::ZERO),
             tactile: !scene.record.tactile.is_empty(),
             slip: false,
             shape: true,
             contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
-            audit: promises.iter().any(Expectation::audited),
+            audit: expectations.iter().any(Expectation::needs_audit),
             dynamic: matches!(scene.loading, Loading::Dynamic(_)),
             ground: scene.ground.is_some(),
             task: false,

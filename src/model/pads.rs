@@ -31,21 +31,21 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
         Fingers::One => 1,
         Fingers::None => 0,
     };
-    let alike = scene.gripper.alike();
+    let alike = scene.gripper.has_equal_fingers();
     let fields: &[&'static str] = if alike { &["gripper.pads"] } else { &["gripper.pads", "gripper.right"] };
     let (mut memory, mut meshed) = (0, Vec::new());
     for (side, field) in fields.iter().enumerate() {
-        let about = |e: Error| e.about(field);
-        let own = Scene { gripper: scene.gripper.like(side), ..scene.clone() };
-        let chosen = accuracy::choose(&own, object)?;
-        notices.extend(chosen.iter().map(|choice| choice.why.clone()));
+        let about = |e: Error| e.with_field(field);
+        let own = Scene { gripper: scene.gripper.with_equal_fingers(side), ..scene.clone() };
+        let chosen = accuracy::choose_mesh(&own, object)?;
+        notices.extend(chosen.iter().map(|choice| choice.reason.clone()));
         let pads = chosen.as_ref().map_or(&own.gripper.pads, |choice| &choice.pads);
         let finer = fem.mesh.and_then(|mesh| pads.finer(&mesh));
         let pads = finer.as_ref().unwrap_or(pads);
         let before = memory;
         let admit = |size: PadSize| {
-            let memory = before + limits::memory(scene, size, sides / fields.len());
-            limits::admit(memory, size).map(|()| memory).map_err(about)
+            let memory = before + limits::estimate_memory(scene, size, sides / fields.len());
+            limits::check_memory(memory, size).map(|()| memory).map_err(about)
         };
         let known = pad::size(pads, fem.element).map_err(about)?.map(admit).transpose()?;
         let mut news = Vec::new();
@@ -63,7 +63,7 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
         fingers.push(FingerModel::build((mesh, quality.clone()), side, gripper, fem, (material, offset))?);
     }
     if let (true, 2, [left]) = (alike, sides, fingers.as_mut_slice()) {
-        let mut right = left.on(1, &scene.gripper);
+        let mut right = left.on_finger(1, &scene.gripper);
         // One contact law for both: the spacings of equal pads differ only by the rounding of their placements.
         let spacing = left.surface.spacing.min(right.surface.spacing);
         let young = scene.gripper.material.spec().young;

@@ -12,21 +12,21 @@ pub struct PushLoad {
     /// Torque, N m, hand frame, at the object's rotation at first contact.
     pub torque: DVec3,
     /// Fraction of the push in each frame, 0 to 1.
-    pub parts: Vec<f64>,
+    pub fractions: Vec<f64>,
 }
 
 /// Fraction of a push in its first increment.
-pub const FIRST_PART: f64 = 0.05;
+pub const FIRST_FRACTION: f64 = 0.05;
 
 impl PushLoad {
     /// Creates the push after a squeeze of `frames` frames.
     pub fn new(push: &ObjectPush, frames: usize) -> Self {
-        let parts = std::iter::repeat_n(0.0, frames).chain(push.parts()).collect();
-        Self { force: push.force.dvec3(), torque: push.torque.dvec3(), parts }
+        let parts = std::iter::repeat_n(0.0, frames).chain(push.push_fractions()).collect();
+        Self { force: push.force.dvec3(), torque: push.torque.dvec3(), fractions: parts }
     }
 
     /// Returns the fraction `part` of the push.
-    pub fn at(&self, part: f64) -> Wrench {
+    pub fn fraction_of(&self, part: f64) -> Wrench {
         Wrench { force: self.force, torque: self.torque } * part
     }
 
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_couple_has_the_torque_and_no_force() {
-        let push = PushLoad { force: DVec3::X, torque: DVec3::new(0.3, -0.2, 0.5), parts: vec![1.0] };
+        let push = PushLoad { force: DVec3::X, torque: DVec3::new(0.3, -0.2, 0.5), fractions: vec![1.0] };
         let couple = push.couple(0.02);
         assert!(couple.iter().map(|(_, force)| *force).sum::<DVec3>().length() < 1e-15);
         let torque: DVec3 = couple.iter().map(|(arm, force)| arm.cross(*force)).sum();

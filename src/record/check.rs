@@ -8,10 +8,10 @@ use glam::DVec3;
 use std::borrow::Borrow;
 
 /// Result of a check; the error names the invalid field and the reason. The caller adds the file name.
-type Verdict = std::result::Result<(), String>;
+type CheckResult = std::result::Result<(), String>;
 
 /// Checks that node indices are in range, that `bonded` has one entry per node and that coordinates are finite.
-pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
+pub fn topology(pad: usize, topology: &PadTopology) -> CheckResult {
     let name = format!("topology of pad {pad} ({})", pad_name(pad));
     let nodes = topology.rest.len();
     length(&name, "bonded", topology.bonded.len(), nodes, "nodes")?;
@@ -25,13 +25,13 @@ pub fn topology(pad: usize, topology: &PadTopology) -> Verdict {
 }
 
 /// Checks that the vertex indices of the object's surface are in range and its vertices finite.
-pub fn object(mesh: &TriMesh) -> Verdict {
+pub fn object(mesh: &TriMesh) -> CheckResult {
     vectors("object surface", "vertices", &mesh.vertices)?;
     indices("object surface", "triangles", mesh.triangles.as_flattened(), mesh.vertices.len())
 }
 
 /// Checks that every number is finite and that array lengths match the topologies.
-pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict {
+pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> CheckResult {
     let name = format!("frame {}", frame.index);
     length(&name, "pads", frame.pads.len(), topologies.len(), "pads of the grasp")?;
     length(&name, "travel", frame.travel.len(), topologies.len(), "pads of the grasp")?;
@@ -72,7 +72,7 @@ pub fn frame<T: Borrow<PadTopology>>(topologies: &[T], frame: &Frame) -> Verdict
     Ok(())
 }
 
-fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
+fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> CheckResult {
     let (nodes, tets) = (topology.rest.len(), topology.elements.len());
     for (field, values) in [("position", &pad.position), ("displacement", &pad.displacement)] {
         length(name, field, values.len(), nodes, "nodes")?;
@@ -94,34 +94,34 @@ fn pad_frame(name: &str, pad: &PadFrame, topology: &PadTopology) -> Verdict {
 }
 
 /// Checks that a number is finite.
-pub fn finite(name: &str, field: &str, value: f64) -> Verdict {
+pub fn finite(name: &str, field: &str, value: f64) -> CheckResult {
     if value.is_finite() { Ok(()) } else { Err(format!("{name}: {field} is {value}, only finite numbers are written")) }
 }
 
-fn numbers(name: &str, field: &str, values: &[f64]) -> Verdict {
+fn numbers(name: &str, field: &str, values: &[f64]) -> CheckResult {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(i) => finite(name, &format!("{field}[{i}]"), values[i]),
     }
 }
 
-fn vectors(name: &str, field: &str, values: &[DVec3]) -> Verdict {
+fn vectors(name: &str, field: &str, values: &[DVec3]) -> CheckResult {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(i) => Err(format!("{name}: {field}[{i}] is {}, only finite numbers are written", values[i])),
     }
 }
 
-fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
+fn length(name: &str, field: &str, got: usize, want: usize, of: &str) -> CheckResult {
     if got == want { Ok(()) } else { Err(format!("{name}: {field} has {got} entries instead of {want} ({of})")) }
 }
 
 /// Checks the length of an optional field, which is empty if the scene does not record it.
-fn optional(name: &str, field: &str, got: usize, want: usize, of: &str) -> Verdict {
+fn optional(name: &str, field: &str, got: usize, want: usize, of: &str) -> CheckResult {
     if got == 0 { Ok(()) } else { length(name, field, got, want, of) }
 }
 
-fn indices(name: &str, field: &str, values: &[u32], nodes: usize) -> Verdict {
+fn indices(name: &str, field: &str, values: &[u32], nodes: usize) -> CheckResult {
     match values.iter().find(|&&i| i as usize >= nodes) {
         None => Ok(()),
         Some(i) => Err(format!("{name}: {field} refers to node {i}, but there are {nodes} (counted from 0)")),

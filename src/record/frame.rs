@@ -35,7 +35,7 @@ pub struct PadFrame {
 
 impl PadFrame {
     /// Returns the translation by the finger from the node positions `rest` to the rigidly carried pad, m.
-    pub fn carried(&self, rest: &[DVec3]) -> DVec3 {
+    pub fn rigid_translation(&self, rest: &[DVec3]) -> DVec3 {
         // The motion of a finger is a translation, so any node yields it.
         self.position[0] - self.displacement[0] - rest[0]
     }
@@ -43,7 +43,7 @@ impl PadFrame {
 
 /// Additional state of a frame of a dynamic scene. The world frame is the object frame at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Moving {
+pub struct DynamicState {
     /// Origin of the hand frame in the world, m.
     pub hand_position: DVec3,
     /// Rotation from the hand frame to the world.
@@ -80,7 +80,7 @@ pub struct Frame {
     /// States of the pads, left first.
     pub pads: Vec<PadFrame>,
     /// Dynamic state; None in quasi-static scenes.
-    pub moving: Option<Moving>,
+    pub moving: Option<DynamicState>,
     /// Value of the incremental potential, J.
     pub energy: f64,
     /// Number of Newton iterations of this frame.
@@ -108,17 +108,17 @@ pub struct Frame {
 impl Frame {
     /// Transforms a point of the hand frame to the display frame, m: the world in dynamic scenes, otherwise the hand
     /// frame.
-    pub fn shown_point(&self, x: DVec3) -> DVec3 {
+    pub fn to_display_point(&self, x: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(x, |m| m.hand_position + m.hand_rotation * x)
     }
 
-    /// Returns the rotation from the object frame to the display frame (see [`Frame::shown_point`]).
-    pub fn shown_rotation(&self) -> DQuat {
+    /// Returns the rotation from the object frame to the display frame (see [`Frame::to_display_point`]).
+    pub fn display_rotation(&self) -> DQuat {
         self.moving.as_ref().map_or(self.object_rotation, |m| m.hand_rotation * self.object_rotation)
     }
 
     /// Rotates a vector from hand axes to the axes of the display frame.
-    pub fn shown_vector(&self, v: DVec3) -> DVec3 {
+    pub fn to_display_vector(&self, v: DVec3) -> DVec3 {
         self.moving.as_ref().map_or(v, |m| m.hand_rotation * v)
     }
 }
@@ -140,7 +140,7 @@ impl Default for ElementNodes {
 
 impl ElementNodes {
     /// Creates tetrahedra from a flat list of `nodes`, `width` per tetrahedron; None if `width` is neither 4 nor 10.
-    pub fn of_table(nodes: &[u32], width: usize) -> Option<Self> {
+    pub fn from_flat(nodes: &[u32], width: usize) -> Option<Self> {
         match width {
             4 => Some(ElementNodes::Linear(nodes.as_chunks().0.to_vec())),
             10 => Some(ElementNodes::Quadratic(nodes.as_chunks().0.to_vec())),
@@ -216,7 +216,7 @@ impl PadTopology {
 
     /// Returns the triangles of the outer surface without the sensing face, whose own triangles are finer. Triangles
     /// adjacent to the sensing face are split at its mid-edge nodes, so that the two meshes are conforming.
-    pub fn outside(&self) -> Vec<[u32; 3]> {
+    pub fn outer_triangles(&self) -> Vec<[u32; 3]> {
         let mut sensing = vec![false; self.rest.len()];
         self.sensing.as_flattened().iter().for_each(|&n| sensing[n as usize] = true);
         let edge = |a: u32, b: u32| [a.min(b), a.max(b)];

@@ -33,7 +33,7 @@ pub mod tactile;
 pub mod vtu;
 
 pub use error_bound::ErrorBound;
-pub use frame::{ElementNodes, Frame, Moving, PadFrame, PadTopology, pad_name};
+pub use frame::{DynamicState, ElementNodes, Frame, PadFrame, PadTopology, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport};
 pub use status::Status;
 pub use tactile::TactileArray;

@@ -29,7 +29,7 @@ pub fn write(dir: &Path, pads: &[PadTopology], object: &TriMesh) -> Result<()> {
 fn write_to(path: &Path, pads: &[PadTopology], object: &TriMesh) -> io::Result<()> {
     let mut npz = NpzWriter::new(BufWriter::new(File::create(path)?));
     let flat = |v: &[DVec3]| v.iter().flat_map(|p| p.to_array()).collect::<Vec<f64>>();
-    for (group, pad) in names::PADS.iter().zip(different(pads)) {
+    for (group, pad) in names::PADS.iter().zip(distinct_pads(pads)) {
         let (nodes, elements) = (pad.rest.len(), &pad.elements);
         let of = |name: &str| format!("{group}/{name}");
         put(&mut npz, &of(names::REST), (nodes, 3), &flat(&pad.rest))?;
@@ -38,13 +38,13 @@ fn write_to(path: &Path, pads: &[PadTopology], object: &TriMesh) -> io::Result<(
         put(&mut npz, &of(names::SENSING), (pad.sensing.len(), 3), pad.sensing.as_flattened())?;
         put(&mut npz, &of(names::BONDED), nodes, &pad.bonded)?;
     }
-    put(&mut npz, &of_object(names::VERTICES), (object.vertices.len(), 3), &flat(&object.vertices))?;
-    put(&mut npz, &of_object(names::TRIANGLES), (object.triangles.len(), 3), object.triangles.as_flattened())?;
+    put(&mut npz, &object_array(names::VERTICES), (object.vertices.len(), 3), &flat(&object.vertices))?;
+    put(&mut npz, &object_array(names::TRIANGLES), (object.triangles.len(), 3), object.triangles.as_flattened())?;
     npz.finish().map_err(io_error)?.flush()
 }
 
 /// Returns the first pad if all pads are equal, otherwise all.
-fn different(pads: &[PadTopology]) -> &[PadTopology] {
+fn distinct_pads(pads: &[PadTopology]) -> &[PadTopology] {
     if pads.windows(2).all(|pair| pair[0] == pair[1]) { &pads[..pads.len().min(1)] } else { pads }
 }
 
@@ -67,14 +67,14 @@ pub fn read(dir: &Path, count: usize) -> Result<(Vec<PadTopology>, TriMesh)> {
     }
     pads.iter().enumerate().try_for_each(|(i, pad)| check::topology(i, pad)).map_err(fail)?;
     let object = TriMesh {
-        vertices: archive.points(&of_object(names::VERTICES))?,
-        triangles: archive.triangles(&of_object(names::TRIANGLES))?,
+        vertices: archive.points(&object_array(names::VERTICES))?,
+        triangles: archive.triangles(&object_array(names::TRIANGLES))?,
     };
     check::object(&object).map_err(fail)?;
     Ok((pads, object))
 }
 
-fn of_object(name: &str) -> String {
+fn object_array(name: &str) -> String {
     format!("object/{name}")
 }
 
@@ -92,7 +92,7 @@ impl Archive<'_> {
         let tets = self.table::<u32>(&of(names::TETS))?;
         let width = tets.ncols();
         let nodes: Vec<u32> = tets.into_iter().collect();
-        let elements = ElementNodes::of_table(&nodes, width).ok_or_else(|| {
+        let elements = ElementNodes::from_flat(&nodes, width).ok_or_else(|| {
             Error::file(self.path, format!("`{group}/tets` has {width} nodes per tetrahedron; it must be 4 or 10"))
         })?;
         Ok(PadTopology {

@@ -1,6 +1,6 @@
 //! Reading of a run: `run.json`, and the frames in `arrays.npz`.
 
-use super::frame::{Frame, Moving, PadFrame};
+use super::frame::{DynamicState, Frame, PadFrame};
 use super::names;
 use super::report::RunReport;
 use base::error::{Error, Result};
@@ -31,13 +31,14 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
     let fail = |message: String| Error::file(path, message);
     let file = File::open(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
     let mut npz = NpzReader::new(file).map_err(|e| fail(format!("is not an archive of arrays: {e}")))?;
-    let position = needed::<Ix3>(path, &mut npz, names::POSITION)?;
-    let displacement = needed::<Ix3>(path, &mut npz, names::DISPLACEMENT)?;
-    let (force, time) = (needed::<Ix1>(path, &mut npz, names::FORCE)?, needed::<Ix1>(path, &mut npz, names::TIME)?);
-    let travel = needed::<Ix2>(path, &mut npz, names::TRAVEL)?;
-    let pose = needed::<Ix2>(path, &mut npz, names::OBJECT_POSE)?;
+    let position = required_array::<Ix3>(path, &mut npz, names::POSITION)?;
+    let displacement = required_array::<Ix3>(path, &mut npz, names::DISPLACEMENT)?;
+    let (force, time) =
+        (required_array::<Ix1>(path, &mut npz, names::FORCE)?, required_array::<Ix1>(path, &mut npz, names::TIME)?);
+    let travel = required_array::<Ix2>(path, &mut npz, names::TRAVEL)?;
+    let pose = required_array::<Ix2>(path, &mut npz, names::OBJECT_POSE)?;
     let load = optional::<Ix2>(path, &mut npz, names::OBJECT_LOAD)?;
-    let wrench = needed::<Ix3>(path, &mut npz, names::WRENCH)?;
+    let wrench = required_array::<Ix3>(path, &mut npz, names::WRENCH)?;
     let contact = optional::<Ix3>(path, &mut npz, names::CONTACT_FORCE)?;
     let stress = optional::<Ix2>(path, &mut npz, names::VON_MISES)?;
     let gap = optional::<Ix2>(path, &mut npz, names::GAP)?;
@@ -80,7 +81,7 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
         let object = placed(&pose, k);
         let moving = hand.as_ref().map(|hand| {
             let hand = placed(hand, k);
-            Moving { hand_position: hand.position, hand_rotation: hand.rotation, ..Moving::default() }
+            DynamicState { hand_position: hand.position, hand_rotation: hand.rotation, ..DynamicState::default() }
         });
         Frame {
             index: k,
@@ -101,7 +102,7 @@ pub fn frames(path: &Path, nodes: &[usize]) -> Result<Vec<Frame>> {
     Ok((0..count).map(frame).collect())
 }
 
-fn needed<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> Result<Array<f64, D>> {
+fn required_array<D: Dimension>(path: &Path, npz: &mut NpzReader<File>, name: &str) -> Result<Array<f64, D>> {
     optional(path, npz, name)?.ok_or_else(|| Error::file(path, format!("has no array `{name}`")))
 }
 

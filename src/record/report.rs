@@ -2,7 +2,7 @@
 
 use super::ErrorBound;
 use super::frame::Frame;
-use super::sensitivity::Moved;
+use super::sensitivity::ChangeEffect;
 pub use super::status::Status;
 use base::error::{Error, Result};
 use base::files::atomic::write_atomic;
@@ -48,7 +48,7 @@ pub struct GraspSummary {
     pub handed_over: Option<String>,
     /// Effects of small changes on the last frame, if requested.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub sensitivity: Vec<Moved>,
+    pub sensitivity: Vec<ChangeEffect>,
 }
 
 impl GraspSummary {
@@ -159,8 +159,8 @@ pub struct RunReport {
     /// Summaries of the grasps, in order.
     pub grasps: Vec<GraspSummary>,
     /// Field of the scene that states the expectations: `expect` or `expect_network`.
-    #[serde(default)]
-    pub promised_in: String,
+    #[serde(default, rename = "promised_in")]
+    pub expectations_source: String,
     /// Results of the expectations.
     pub expectations: Vec<ExpectationReport>,
     /// Wall time by stage, s.
@@ -190,7 +190,7 @@ impl RunReport {
             pads: Vec::new(),
             notices: Vec::new(),
             grasps: Vec::new(),
-            promised_in: String::new(),
+            expectations_source: String::new(),
             expectations: Vec::new(),
             profile_s: BTreeMap::new(),
         }

@@ -19,7 +19,7 @@ pub enum Change {
 
 /// Effect of a change on the last frame of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Moved {
+pub struct ChangeEffect {
     /// Change that was made.
     pub change: Change,
     /// Outcome of the grasp with the change.

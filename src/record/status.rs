@@ -19,7 +19,7 @@ pub enum Status {
 
 impl Status {
     /// Returns the name of the status in reports and files.
-    pub fn word(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
             Status::Reached => "reached",
             Status::Dropped => "dropped",

@@ -43,7 +43,7 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     let mut out = String::new();
     begin(&mut out, node_pad.len(), cells.types.len());
     out.push_str("<PointData>\n");
-    let turned = |v: Vec<DVec3>| -> Vec<DVec3> { v.into_iter().map(|v| frame.shown_vector(v)).collect() };
+    let turned = |v: Vec<DVec3>| -> Vec<DVec3> { v.into_iter().map(|v| frame.to_display_vector(v)).collect() };
     vectors(&mut out, names::DISPLACEMENT, &turned(gather(|pad| &pad.displacement)));
     // Fields that are not recorded are empty and omitted.
     if frame.pads.iter().all(|pad| !pad.contact_force.is_empty()) {
@@ -62,7 +62,7 @@ pub fn pads(topologies: &[PadTopology], frame: &Frame) -> String {
     }
     array(&mut out, "UInt8", "pad", 1, &tet_pad);
     out.push_str("</CellData>\n");
-    let positions: Vec<DVec3> = gather(|pad| &pad.position).into_iter().map(|x| frame.shown_point(x)).collect();
+    let positions: Vec<DVec3> = gather(|pad| &pad.position).into_iter().map(|x| frame.to_display_point(x)).collect();
     end(&mut out, &positions, &cells);
     out
 }
@@ -72,7 +72,7 @@ pub fn object(surface: &TriMesh, frame: &Frame) -> String {
     let moved: Vec<DVec3> = surface
         .vertices
         .iter()
-        .map(|&v| frame.shown_point(frame.object_position + frame.object_rotation * v))
+        .map(|&v| frame.to_display_point(frame.object_position + frame.object_rotation * v))
         .collect();
     let mut cells = Cells::default();
     cells.add(surface.triangles.as_flattened(), 3, TRIANGLE, 0);

@@ -2,7 +2,7 @@
 
 use super::page::{Page, PageBlock, Section};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use base::table::Table;
 use bench::report::{BenchReport, Point};
 use bench::sizes::SizeStudy;
@@ -14,7 +14,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Fails if `bench.json` cannot be read or a file was not written by `tactus bench`.
-pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
+pub fn comparison_section(dir: &Path, page: &mut Page) -> Result<()> {
     let report: BenchReport = read(&dir.join("bench.json"))?;
     let mut blocks = Vec::new();
     let chart = dir.join("bench.svg");
@@ -33,9 +33,9 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
     let lead = format!(
         "{}, {} of each setting on each grasp, {} per grasp. Errors are differences from {}, relative to the norm of \
          the field.",
-        counted(report.grasps.len(), "grasp"),
-        counted(report.repeats, "repetition"),
-        counted(report.threads, "thread"),
+        format_count(report.grasps.len(), "grasp"),
+        format_count(report.repeats, "repetition"),
+        format_count(report.threads, "thread"),
         report.reference.label
     );
     page.sections.push(Section::new("Speed against error", lead, blocks));
@@ -47,7 +47,7 @@ pub fn contest(dir: &Path, page: &mut Page) -> Result<()> {
 ///
 /// # Errors
 /// Fails if the file cannot be read or was not written by `tactus bench`.
-pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
+pub fn size_section(dir: &Path, page: &mut Page) -> Result<()> {
     let report: SizeStudy = read(&dir.join("sizes.json"))?;
     let columns =
         ["pad", "nodes", "unknowns", "ms per iteration", "iterations per frame", "s per frame", "processor s", "MB"];
@@ -70,7 +70,7 @@ pub fn sizes(dir: &Path, page: &mut Page) -> Result<()> {
         power(report.iteration_exponent),
         power(report.frame_exponent),
         power(report.memory_exponent),
-        counted(report.threads, "thread")
+        format_count(report.threads, "thread")
     );
     page.sections.push(Section::new("Cost against size", lead, vec![PageBlock::Table(table)]));
     Ok(())

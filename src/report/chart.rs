@@ -8,15 +8,15 @@ pub struct Chart {
     /// Title of the chart.
     pub title: String,
     /// Abscissa of all quantities.
-    pub over: Over,
+    pub over: Abscissa,
     /// Selectable quantities.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<ChartQuantity>,
 }
 
 /// Abscissa of a chart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Over {
+pub enum Abscissa {
     /// Category names, for a bar chart.
     Names(Vec<String>),
     /// Numeric axis, for a line chart.
@@ -30,7 +30,7 @@ pub enum Over {
 
 /// Quantity with its series; for category names these are median, 90th percentile and worst value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Quantity {
+pub struct ChartQuantity {
     /// Name of the quantity.
     pub name: String,
     /// Unit of the quantity.

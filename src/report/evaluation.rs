@@ -1,15 +1,15 @@
 //! Section of a data set, and of a network evaluated on it.
 
-use super::chart::{Chart, Over, Quantity, Series};
+use super::chart::{Abscissa, Chart, ChartQuantity, Series};
 use super::page::{Page, PageBlock, Section};
-use super::recording::{Errors, RecordedState, Recording, truth};
+use super::recording::{Errors, RecordedState, Recording, dataset_recording};
 use super::run::name;
 use super::source::ReportOptions;
 use super::unfinished::unfinished;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use base::table::Table;
-use dataset::inspect::chosen;
+use dataset::inspect::sample_frames;
 use dataset::{DataSet, Manifest};
 use net::eval::table::{ErrorRow, ranks, rows};
 use net::eval::{GraspEvaluation, evaluate, frames};
@@ -44,13 +44,13 @@ pub fn data_set(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<(
     }
     let set = DataSet::open(dir)?;
     let mut blocks = match &wishes.model {
-        Some(model) => judged(&set, model, wishes, page)?,
+        Some(model) => evaluate_network(&set, model, wishes, page)?,
         None => {
             let poses = split(&[&set.splits], wishes.split.as_deref().unwrap_or("poses"))?.remove(0).test;
             let all = set.select(&poses);
-            for at in chosen(all.len(), Some(wishes.grasps)) {
+            for at in sample_frames(all.len(), Some(wishes.grasps)) {
                 let (object, grasp) = all[at];
-                page.recordings.push(truth(&set.objects[object], grasp, wishes.frames)?);
+                page.recordings.push(dataset_recording(&set.objects[object], grasp, wishes.frames)?);
             }
             Vec::new()
         }
@@ -61,9 +61,9 @@ pub fn data_set(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<(
     let lead = format!(
         "{} {}, {}, {} each.",
         m.about,
-        counted(m.objects.len(), "object"),
-        counted(m.grasps, "grasp"),
-        counted(m.frames, "frame")
+        format_count(m.objects.len(), "object"),
+        format_count(m.grasps, "grasp"),
+        format_count(m.frames, "frame")
     );
     page.sections.push(Section::new(format!("Data set {}", name(dir)), lead.trim(), blocks));
     Ok(())
@@ -91,7 +91,7 @@ fn objects(set: &DataSet) -> Table {
 
 /// Returns the tables and charts of the network; adds recordings of grasps ranging from the best to the worst to the
 /// page.
-fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
+fn evaluate_network(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<Vec<PageBlock>> {
     let predictor = Predictor::open(model)?;
     let split = wishes.split.clone().unwrap_or_else(|| predictor.card.split.clone());
     let judged = evaluate(set, &predictor, &split, false)?;
@@ -99,7 +99,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
     let mut ranked: Vec<&GraspEvaluation> = judged.iter().filter(|j| !j.frames.is_empty()).collect();
     ranked.sort_by(|a, b| last(a).total_cmp(&last(b)));
     for (at, role) in example_ranks(ranked.len(), wishes.grasps) {
-        page.recordings.push(compared(set, &predictor, ranked[at], &role, wishes.frames)?);
+        page.recordings.push(comparison_recording(set, &predictor, ranked[at], &role, wishes.frames)?);
     }
     let (stress, displacement) = ranks(&judged);
     let mut notes = vec![PageBlock::Note(format!(
@@ -107,7 +107,7 @@ fn judged(set: &DataSet, model: &Path, wishes: &ReportOptions, page: &mut Page) 
          {displacement:.3} by peak displacement.",
         name(model),
         predictor.card.parameters,
-        counted(judged.len(), "test grasp")
+        format_count(judged.len(), "test grasp")
     ))];
     if set.manifest.plan == predictor.card.data && split != predictor.card.split {
         let own = &predictor.card.split;
@@ -156,7 +156,7 @@ fn example_ranks(count: usize, wanted: usize) -> Vec<(usize, String)> {
     places.into_iter().map(|at| (at, role(at))).collect()
 }
 
-fn compared(
+fn comparison_recording(
     set: &DataSet,
     predictor: &Predictor,
     judged: &GraspEvaluation,
@@ -167,7 +167,7 @@ fn compared(
     let error = judged.frames.last().ok_or_else(missing)?;
     let file = set.objects.iter().find(|f| f.name == error.object).ok_or_else(missing)?;
     let grasp = file.grasp(error.grasp)?;
-    let wanted = chosen(grasp.frames, Some(most));
+    let wanted = sample_frames(grasp.frames, Some(most));
     let [truth, predicted] = frames::reference_and_prediction(file, &model_of(file)?, predictor, &grasp, &wanted)?;
     let at = |pick: fn(&net::eval::FrameError) -> f64| {
         let of = |k: &usize| judged.frames.iter().find(|f| f.frame == *k).map_or(f64::NAN, pick);
@@ -220,13 +220,13 @@ fn errors(title: &str, table: &[ErrorRow], prefix: &str) -> Table {
 }
 
 /// Returns the relative errors of `groups` in percent, for a chart.
-fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<Quantity> {
+fn quantities(table: &[ErrorRow], groups: &[String]) -> Vec<ChartQuantity> {
     let of = |(quantity, name): &(&str, &str)| {
         let pick = |value: fn(&ErrorRow) -> f64| {
             let of = |group: &String| table.iter().find(|r| r.group == *group && r.quantity == *quantity);
             groups.iter().map(|g| of(g).map_or(f64::NAN, |r| 100.0 * value(r))).collect()
         };
-        Quantity {
+        ChartQuantity {
             name: name.to_string(),
             unit: "%".into(),
             series: vec![
@@ -243,7 +243,7 @@ fn by_object(table: &[ErrorRow]) -> Chart {
     let names = table.iter().filter(|r| r.quantity == "displacement").filter_map(|r| r.group.strip_prefix("object "));
     let names: Vec<String> = names.map(String::from).collect();
     let groups: Vec<String> = names.iter().map(|n| format!("object {n}")).collect();
-    Chart { title: "Error by object".into(), quantities: quantities(table, &groups), over: Over::Names(names) }
+    Chart { title: "Error by object".into(), quantities: quantities(table, &groups), over: Abscissa::Names(names) }
 }
 
 fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[GraspEvaluation]) -> Chart {
@@ -251,7 +251,7 @@ fn by_force(set: &DataSet, table: &[ErrorRow], judged: &[GraspEvaluation]) -> Ch
     // All grasps have the same load levels, so the frame index determines the force.
     let frames = judged.first().map_or(&[][..], |j| &j.frames);
     let groups: Vec<String> = frames.iter().map(|f| format!("frame {:03}", f.frame)).collect();
-    let over = Over::Axis { label: "force, N".into(), at: frames.iter().map(|f| pads * f.force_n).collect() };
+    let over = Abscissa::Axis { label: "force, N".into(), at: frames.iter().map(|f| pads * f.force_n).collect() };
     Chart { title: "Error by force".into(), quantities: quantities(table, &groups), over }
 }
 

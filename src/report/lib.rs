@@ -22,7 +22,7 @@ pub mod view;
 pub use chart::Chart;
 pub use page::{Page, PageBlock, Section};
 pub use recording::{Errors, RecordedState, Recording};
-pub use source::{FRAMES, ReportOptions, holds_results};
+pub use source::{DEFAULT_FRAMES, ReportOptions, holds_results};
 
 use base::error::{Error, Result};
 use source::{Source, sources};
@@ -45,13 +45,13 @@ pub fn report(dirs: &[PathBuf], wishes: &ReportOptions) -> Result<Page> {
     for source in &found {
         let first = page.sections.len();
         match source {
-            Source::Bench(dir) => bench::contest(dir, &mut page)?,
-            Source::Sizes(dir) => bench::sizes(dir, &mut page)?,
+            Source::Bench(dir) => bench::comparison_section(dir, &mut page)?,
+            Source::Sizes(dir) => bench::size_section(dir, &mut page)?,
             Source::Run(dir) => run::run(dir, wishes, &mut page)?,
             Source::Data(dir) => evaluation::data_set(dir, wishes, &mut page)?,
             Source::Training(dir) => training::training(dir, &mut page)?,
         }
-        page.sections[first..].iter_mut().for_each(|section| section.written = source.written());
+        page.sections[first..].iter_mut().for_each(|section| section.modified = source.modified());
     }
     Ok(page)
 }

@@ -45,22 +45,22 @@ pub struct Section {
     /// Content of the section.
     pub blocks: Vec<PageBlock>,
     /// Time of the results, s since 1970-01-01 UTC.
-    pub written: Option<u64>,
+    pub modified: Option<u64>,
     /// Command and machine that produced the results; may be empty.
-    pub made: Vec<String>,
+    pub origin_texts: Vec<String>,
 }
 
 impl Section {
     /// Creates a section without date and origin.
     pub fn new(title: impl Into<String>, lead: impl Into<String>, blocks: Vec<PageBlock>) -> Self {
-        Self { title: title.into(), lead: lead.into(), blocks, written: None, made: Vec::new() }
+        Self { title: title.into(), lead: lead.into(), blocks, modified: None, origin_texts: Vec::new() }
     }
 
     /// Returns the line on the origin of the section for the top of the page. The browser formats the date in the
     /// locale of the reader.
     fn origin(&self) -> String {
-        let date = self.written.map(|at| format!("<time data-at=\"{at}\"></time>"));
-        let made = self.made.iter().map(|text| format!("<span>{}</span>", escape(text)));
+        let date = self.modified.map(|at| format!("<time data-at=\"{at}\"></time>"));
+        let made = self.origin_texts.iter().map(|text| format!("<span>{}</span>", escape(text)));
         let origin: String = date.into_iter().chain(made).collect();
         format!("<p><strong>{}</strong>{origin}</p>\n", escape(&self.title))
     }
@@ -147,7 +147,7 @@ impl Page {
             ("data", data.replace('<', "\\u003c")),
             ("script", SCRIPT.concat() + live),
         ];
-        Ok(fill(FRAME, &parts))
+        Ok(fill_template(FRAME, &parts))
     }
 
     /// Returns the tables that are not folded as Markdown, for a README.
@@ -166,7 +166,7 @@ impl Page {
 }
 
 /// Returns `text` with each `{{name}}` replaced, in one pass: replacements are not scanned again.
-fn fill(text: &str, parts: &[(&str, String)]) -> String {
+fn fill_template(text: &str, parts: &[(&str, String)]) -> String {
     let mut out = String::new();
     let mut pieces = text.split("{{");
     out += pieces.next().unwrap_or_default();

@@ -6,7 +6,7 @@
 use super::packed::{indices, numbers};
 use base::error::{Error, Result};
 use dataset::ObjectFile;
-use dataset::inspect::{chosen, frame};
+use dataset::inspect::{frame, sample_frames};
 use geometry::mesh::TriMesh;
 use glam::{DMat3, DVec3};
 use record::render::pad_pose;
@@ -116,7 +116,7 @@ struct Surface<'a> {
 
 impl<'a> Surface<'a> {
     fn of(pad: &'a PadTopology, rotation: DMat3) -> Self {
-        let outside = pad.outside();
+        let outside = pad.outer_triangles();
         let mut seen = vec![false; pad.rest.len()];
         pad.sensing.iter().chain(&outside).flatten().for_each(|n| seen[*n as usize] = true);
         let nodes: Vec<usize> = (0..seen.len()).filter(|n| seen[*n]).collect();
@@ -192,9 +192,9 @@ fn state(surfaces: &[Surface], state: &RecordedState) -> Value {
 }
 
 /// Returns the recording of grasp `number` of a data set, with at most `most` of its frames.
-pub(super) fn truth(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
+pub(super) fn dataset_recording(file: &ObjectFile, number: usize, most: usize) -> Result<Recording> {
     let grasp = file.grasp(number)?;
-    let frames = chosen(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
+    let frames = sample_frames(grasp.frames, Some(most)).into_iter().map(|k| frame(file, &grasp, k)).collect();
     Ok(Recording {
         name: format!("{}, grasp {number}", file.name),
         about: String::new(),

@@ -4,9 +4,9 @@ use super::page::{Page, PageBlock, Section};
 use super::recording::{RecordedState, Recording};
 use super::source::ReportOptions;
 use base::error::Result;
-use base::number::counted;
+use base::number::format_count;
 use base::table::Table;
-use dataset::inspect::chosen;
+use dataset::inspect::sample_frames;
 use record::{Frame, RunReport, meshes, read};
 use std::path::Path;
 use world::run::grasp_files::directory;
@@ -23,7 +23,7 @@ pub fn run(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<()> {
     }
     blocks.extend(report.pads.first().and_then(|p| p.notice.clone()).map(PageBlock::Note));
     if !report.finished {
-        let so_far = counted(report.grasps.len(), "grasp");
+        let so_far = format_count(report.grasps.len(), "grasp");
         blocks.insert(0, PageBlock::Note(format!("The run is not finished: so far {so_far} ended.")));
     }
     match recordings(dir, &report, wishes) {
@@ -34,9 +34,10 @@ pub fn run(dir: &Path, wishes: &ReportOptions, page: &mut Page) -> Result<()> {
     let mut pads: Vec<String> = report.pads.iter().map(|p| format!("{} nodes ({})", p.nodes, p.element)).collect();
     pads.dedup();
     let pads = if pads.is_empty() { "no pads".into() } else { format!("pads of {}", pads.join(" and ")) };
-    let lead = format!("{about} {}, {pads}, backend {}.", counted(report.grasps.len(), "grasp"), report.backend);
+    let lead = format!("{about} {}, {pads}, backend {}.", format_count(report.grasps.len(), "grasp"), report.backend);
     let mut section = Section::new(format!("Run {}", name(dir)), lead.trim(), blocks);
-    section.made = [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
+    section.origin_texts =
+        [&report.command, &report.machine].into_iter().filter(|text| !text.is_empty()).cloned().collect();
     page.sections.push(section);
     Ok(())
 }
@@ -49,7 +50,7 @@ pub fn name(dir: &Path) -> String {
 
 fn recordings(dir: &Path, report: &RunReport, wishes: &ReportOptions) -> Result<Vec<Recording>> {
     let shown: Vec<usize> = report.grasps.iter().filter(|g| g.frames > 0).map(|g| g.grasp).collect();
-    let shown: Vec<usize> = chosen(shown.len(), Some(wishes.grasps)).into_iter().map(|i| shown[i]).collect();
+    let shown: Vec<usize> = sample_frames(shown.len(), Some(wishes.grasps)).into_iter().map(|i| shown[i]).collect();
     if shown.is_empty() || report.pads.is_empty() {
         return Ok(Vec::new());
     }
@@ -72,7 +73,10 @@ fn recordings(dir: &Path, report: &RunReport, wishes: &ReportOptions) -> Result<
             object: object.clone(),
             states: vec![RecordedState {
                 label: label.into(),
-                frames: chosen(frames.len(), Some(wishes.frames)).into_iter().map(|k| frames[k].clone()).collect(),
+                frames: sample_frames(frames.len(), Some(wishes.frames))
+                    .into_iter()
+                    .map(|k| frames[k].clone())
+                    .collect(),
             }],
             errors: None,
         };
@@ -96,7 +100,7 @@ fn grasps(report: &RunReport) -> Table {
     let mut table = Table::new("Grasps", &columns);
     table.note = "Force and travel at the last frame; force is the sum over the fingers.".into();
     for g in &report.grasps {
-        let status = g.status.word();
+        let status = g.status.as_str();
         let reason = g.reason.as_ref().map_or(String::new(), |r| format!(": {r}"));
         let handed = g.handed_over.as_ref().map_or(String::new(), |r| format!("; computed by finite elements: {r}"));
         let error = g.error.map_or(String::new(), |error| format!("; {error}"));

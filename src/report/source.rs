@@ -1,13 +1,13 @@
 //! Detection of the kinds of results in a folder.
 
 use base::error::{Error, Result};
-use dataset::manifest::MANIFEST;
+use dataset::manifest::MANIFEST_NAME;
 use net::train::curves::CURVES;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 /// Default maximum number of frames per grasp in 3-D.
-pub const FRAMES: usize = 25;
+pub const DEFAULT_FRAMES: usize = 25;
 
 /// Options of a report.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ type ResultFile = (&'static str, fn(PathBuf) -> Source);
 const RESULT_FILES: [ResultFile; 5] = [
     ("bench.json", Source::Bench),
     ("sizes.json", Source::Sizes),
-    (MANIFEST, Source::Data),
+    (MANIFEST_NAME, Source::Data),
     ("run.json", Source::Run),
     (CURVES, Source::Training),
 ];
@@ -82,7 +82,7 @@ fn in_folder(dir: &Path) -> Vec<Source> {
 
 impl Source {
     /// Returns the modification time of the identifying file, s since 1970-01-01 UTC.
-    pub fn written(&self) -> Option<u64> {
+    pub fn modified(&self) -> Option<u64> {
         let (Source::Bench(dir) | Source::Sizes(dir) | Source::Run(dir) | Source::Data(dir) | Source::Training(dir)) =
             self;
         let (name, _) = RESULT_FILES.iter().find(|(_, source)| source(dir.clone()) == *self)?;

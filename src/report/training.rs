@@ -1,10 +1,10 @@
 //! Section of a training: loss curves so far, and the model once finished.
 
-use super::chart::{Chart, Over, Quantity, Series};
+use super::chart::{Abscissa, Chart, ChartQuantity, Series};
 use super::page::{Page, PageBlock, Section};
 use super::run::name;
 use base::error::Result;
-use base::number::counted;
+use base::number::format_count;
 use net::network::card::{CARD, StoredModel};
 use net::train::curves::{self, Epoch};
 use std::path::Path;
@@ -20,11 +20,11 @@ pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
         format!(" The smallest validation loss is {:.5}, of epoch {}.", epoch.validation, at + 1)
     });
     let mut blocks = vec![PageBlock::Chart(losses(&epochs))];
-    let count = counted(epochs.len(), "epoch");
+    let count = format_count(epochs.len(), "epoch");
     let lead = match dir.join(CARD).exists().then(|| StoredModel::read(dir)) {
         None => format!("The training is not finished: so far {count}.{best}"),
         Some(Ok(StoredModel { card, .. })) => {
-            let learnt = format!("{}, {} parameters", counted(card.grasps, "training grasp"), card.parameters);
+            let learnt = format!("{}, {} parameters", format_count(card.grasps, "training grasp"), card.parameters);
             format!("{count}, {learnt}, split {}.{best}", card.split)
         }
         Some(Err(error)) => {
@@ -38,12 +38,12 @@ pub fn training(dir: &Path, page: &mut Page) -> Result<()> {
 
 fn losses(epochs: &[Epoch]) -> Chart {
     let of = |pick: fn(&Epoch) -> f64| epochs.iter().map(pick).collect::<Vec<_>>();
-    let quantity = |name: &str, series| Quantity { name: name.into(), unit: "1".into(), series };
+    let quantity = |name: &str, series| ChartQuantity { name: name.into(), unit: "1".into(), series };
     let loss = vec![Series::new("training", of(|e| e.training)), Series::new("validation", of(|e| e.validation))];
     let rate = vec![Series::new("learning rate", of(|e| e.rate))];
     Chart {
         title: "Loss".into(),
-        over: Over::Axis { label: "epoch".into(), at: (1..=epochs.len()).map(|epoch| epoch as f64).collect() },
+        over: Abscissa::Axis { label: "epoch".into(), at: (1..=epochs.len()).map(|epoch| epoch as f64).collect() },
         quantities: vec![quantity("loss", loss), quantity("learning rate", rate)],
     }
 }

@@ -1,6 +1,6 @@
 //! Messages for parser errors, with position and remedy.
 
-use super::excerpt::{clipped, floor, shortened};
+use super::excerpt::{floor, truncate, truncate_name};
 use super::outline::{Outline, OutlineEntry};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use ron::error::{Error as Ron, Position, SpannedError};
@@ -34,7 +34,7 @@ impl Diagnosis {
             Some((message, help)) => (message.to_string(), Some(help.to_string())),
             None => (message.to_string(), None),
         };
-        Self { message: shortened(&message, MESSAGE).into_owned(), span, help }
+        Self { message: truncate(&message, MESSAGE).into_owned(), span, help }
     }
 
     /// Renders the printed form: `error: ...`, ` --> file:line:column`, the line with a caret, `help: ...`.
@@ -68,23 +68,28 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
     };
     let of = |outer: &Option<String>| outer.as_ref().map_or(String::new(), |outer| format!(" in {outer}"));
     let (message, span) = match &error.code {
-        Ron::Message(message) => (named(message, start, text, outline), whole(text, refused, outline)),
+        Ron::Message(message) => (with_field_path(message, start, text, outline), full_span(text, refused, outline)),
         Ron::InvalidValueForType { expected, found } => (
-            named(&format!("expected {}, found {}", wanted(expected), plain(found)), start, text, outline),
-            whole(text, refused, outline),
+            with_field_path(
+                &format!("expected {}, found {}", strip_expected_type(expected), strip_found_type(found)),
+                start,
+                text,
+                outline,
+            ),
+            full_span(text, refused, outline),
         ),
         Ron::ExpectedDifferentLength { expected, found } => {
             let message = format!("expected {expected}, found only {found} of them");
-            (named(&message, end, text, outline), whole(text, here, outline))
+            (with_field_path(&message, end, text, outline), full_span(text, here, outline))
         }
         Ron::NoSuchStructField { expected, found, outer } => {
             let former = RENAMED_FIELDS.iter().find(|(name, _)| name == found).map(|(_, now)| now.to_string());
             let help = former.unwrap_or_else(|| allowed(found, expected));
-            (format!("unknown field `{}`{}\n{help}", clipped(found), of(outer)), refused)
+            (format!("unknown field `{}`{}\n{help}", truncate_name(found), of(outer)), refused)
         }
         Ron::NoSuchEnumVariant { expected, found, outer } => {
             let what = outer.as_deref().unwrap_or("name");
-            (format!("unknown {what} `{}`\n{}", clipped(found), allowed(found, expected)), refused)
+            (format!("unknown {what} `{}`\n{}", truncate_name(found), allowed(found, expected)), refused)
         }
         Ron::MissingStructField { field, outer } => (format!("missing field `{field}`{}", of(outer)), here),
         Ron::DuplicateStructField { field, outer } => (format!("field `{field}` is given twice{}", of(outer)), refused),
@@ -102,40 +107,53 @@ pub(super) fn explain(error: &SpannedError, text: &str, outline: &Outline) -> Di
             let help = if unit { "\nnumbers have no unit: all are in SI (m, N, Pa, kg, s)" } else { "" };
             (format!("expected `,` before {}{help}", found()), here)
         }
-        Ron::ExpectedFloat => (named(&format!("expected a number, found {}", found()), end, text, outline), here),
+        Ron::ExpectedFloat => {
+            (with_field_path(&format!("expected a number, found {}", found()), end, text, outline), here)
+        }
         Ron::ExpectedInteger => {
-            (named(&format!("expected a whole number, found {}", found()), end, text, outline), here)
+            (with_field_path(&format!("expected a whole number, found {}", found()), end, text, outline), here)
         }
         Ron::ExpectedBoolean => {
-            (named(&format!("expected `true` or `false`, found {}", found()), end, text, outline), here)
+            (with_field_path(&format!("expected `true` or `false`, found {}", found()), end, text, outline), here)
         }
-        Ron::ExpectedString => {
-            (named(&format!("expected a string in double quotes, found {}", found()), end, text, outline), here)
+        Ron::ExpectedString => (
+            with_field_path(&format!("expected a string in double quotes, found {}", found()), end, text, outline),
+            here,
+        ),
+        Ron::ExpectedArray => {
+            (with_field_path(&format!("expected a list `[...]`, found {}", found()), end, text, outline), here)
         }
-        Ron::ExpectedArray => (named(&format!("expected a list `[...]`, found {}", found()), end, text, outline), here),
-        Ron::ExpectedIdentifier => (named(&format!("expected a name, found {}", found()), end, text, outline), here),
+        Ron::ExpectedIdentifier => {
+            (with_field_path(&format!("expected a name, found {}", found()), end, text, outline), here)
+        }
         Ron::ExpectedStructLike => match last_name(text, end) {
             Some(name) => (
-                named(&format!("`{}` needs its fields: {0}(...)", &text[name.clone()]), name.start, text, outline),
+                with_field_path(
+                    &format!("`{}` needs its fields: {0}(...)", &text[name.clone()]),
+                    name.start,
+                    text,
+                    outline,
+                ),
                 name,
             ),
-            None => (named(&format!("expected `(`, found {}", found()), end, text, outline), here),
+            None => (with_field_path(&format!("expected `(`, found {}", found()), end, text, outline), here),
         },
-        Ron::ExpectedNamedStructLike(name) => {
-            (named(&format!("expected the fields of {name}, `(...)`, found {}", found()), end, text, outline), here)
-        }
+        Ron::ExpectedNamedStructLike(name) => (
+            with_field_path(&format!("expected the fields of {name}, `(...)`, found {}", found()), end, text, outline),
+            here,
+        ),
         Ron::ExpectedDifferentStructName { expected, found } => {
             (format!("expected `{expected}(...)`, found `{found}`"), refused)
         }
         Ron::ExceededRecursionLimit => ("brackets are nested too deeply".to_string(), here),
         Ron::TrailingCharacters => ("unexpected text after the end of the scene".to_string(), here),
-        other => (named(&lower(&other.to_string()), end, text, outline), here),
+        other => (with_field_path(&lowercase_first(&other.to_string()), end, text, outline), here),
     };
     Diagnosis::new(&message, span)
 }
 
 /// Returns `message` preceded by the path of the field at byte `at`.
-fn named(message: &str, at: usize, text: &str, outline: &Outline) -> String {
+fn with_field_path(message: &str, at: usize, text: &str, outline: &Outline) -> String {
     let at = if token(text, at).is_empty() { at.saturating_sub(1) } else { at };
     match outline.path_at(at).as_str() {
         "" => message.to_string(),
@@ -160,13 +178,13 @@ fn field_of_value(text: &str, at: usize, outline: &Outline) -> Option<String> {
     Some(format!(
         "{path}: `{name}(...)` takes one value and has no field `{}`\nfields of {owner} are written next to `{key}`: \
          `{key}: {name}(...), {0}: ...`",
-        clipped(field)
+        truncate_name(field)
     ))
 }
 
 /// Returns the full range of a refused value. A sign and a quote are separate steps of the parser and are included; a
 /// group begins at its opening bracket, although the parser is at the closing one.
-fn whole(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
+fn full_span(text: &str, span: Range<usize>, outline: &Outline) -> Range<usize> {
     if text[..span.start].ends_with(['-', '+', '"']) {
         return span.start - 1..span.end;
     }
@@ -186,7 +204,7 @@ fn last_name(text: &str, at: usize) -> Option<Range<usize>> {
 }
 
 /// Strips the parser's type names from a found value.
-fn plain(found: &str) -> &str {
+fn strip_found_type(found: &str) -> &str {
     ["the unsigned integer ", "the signed integer ", "the floating point number "]
         .iter()
         .find_map(|prefix| found.strip_prefix(prefix))
@@ -195,11 +213,11 @@ fn plain(found: &str) -> &str {
 
 /// Strips the parser's type names from an expected value: they only distinguish a number with the suffix of another
 /// type (`1.0f32`).
-fn wanted(expected: &str) -> &str {
+fn strip_expected_type(expected: &str) -> &str {
     if expected == "a 64-bit floating point number" { "a number without suffix" } else { expected }
 }
 
-fn lower(message: &str) -> String {
+fn lowercase_first(message: &str) -> String {
     let mut chars = message.chars();
     chars.next().map_or(String::new(), |c| c.to_lowercase().chain(chars).collect())
 }

@@ -142,7 +142,7 @@ impl Expectation {
     }
 
     /// Returns true if the audit checks the expectation.
-    pub fn audited(&self) -> bool {
+    pub fn needs_audit(&self) -> bool {
         use Expectation::*;
         matches!(self, Finite | NoInversion | NoPenetration | Penetration(_) | Converged(_))
     }
@@ -152,7 +152,7 @@ impl Expectation {
     /// their torques except for the torque about the closing direction. Results that are not finite are refused. The
     /// deformation of the pads, the penetration and the inversion of gel elements are only learned, to within the error
     /// of the network; a scene with such expectations for a network gives their bounds in `expect_network`.
-    pub fn by_network(&self) -> bool {
+    pub fn holds_by_construction(&self) -> bool {
         use Expectation::*;
         matches!(self, ReachesForce | ForceBalance(_) | Finite | Force(_) | Fault(_) | Infeasible(_))
     }

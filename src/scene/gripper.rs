@@ -103,7 +103,7 @@ pub struct RightFinger {
 
 impl Gripper {
     /// Returns the gripper with both fingers like finger `side` of this one (0 left, 1 right).
-    pub fn like(&self, side: usize) -> Self {
+    pub fn with_equal_fingers(&self, side: usize) -> Self {
         let mut gripper = Self { right: None, ..self.clone() };
         if let (Some(right), 1) = (&self.right, side) {
             gripper.pads = right.pads.clone().unwrap_or(gripper.pads);
@@ -114,24 +114,24 @@ impl Gripper {
     }
 
     /// Returns true if both fingers have the same pad, material and friction.
-    pub fn alike(&self) -> bool {
-        self.right.is_none() || self.like(0) == self.like(1)
+    pub fn has_equal_fingers(&self) -> bool {
+        self.right.is_none() || self.with_equal_fingers(0) == self.with_equal_fingers(1)
     }
 
     /// Refuses fingers that differ, for `what` (a noun with its article), which supports only equal fingers.
     ///
     /// # Errors
     /// Fails if they differ.
-    pub fn needs_alike(&self, what: &str) -> Result<(), Error> {
+    pub fn require_equal_fingers(&self, what: &str) -> Result<(), Error> {
         let refused = || Error::Start(format!("{what} needs two identical pads; leave `right` out"));
-        if self.alike() { Ok(()) } else { Err(refused().about("gripper.right")) }
+        if self.has_equal_fingers() { Ok(()) } else { Err(refused().with_field("gripper.right")) }
     }
 
     /// Takes opening, stroke and placement from the robot description, and its soft pads if it has any.
     ///
     /// # Errors
     /// Fails if a number is outside the range allowed in a scene.
-    pub(super) fn take_over(&mut self, Mounted { mount, soft, notice }: Mounted) -> Result<(), String> {
+    pub(super) fn apply_robot(&mut self, Mounted { mount, soft, notice }: Mounted) -> Result<(), String> {
         self.notice = RobotNotice(notice);
         (self.opening, self.stroke) = (Length::new(mount.opening)?, Length::new(mount.stroke)?);
         self.placement = Placement { y: Finite::new(mount.y)?, z: Finite::new(mount.z)? };
@@ -143,7 +143,7 @@ impl Gripper {
             material: Some(MaterialChoice::of_robot(&right)?),
             friction: self.right.take().and_then(|right| right.friction),
         });
-        if self.alike() {
+        if self.has_equal_fingers() {
             self.right = None;
         }
         Ok(())

@@ -2,14 +2,14 @@
 
 use super::diagnose::{Diagnosis, explain};
 use super::dialect::options;
+use super::field_positions::{Origins, SceneText};
 use super::lint::lint;
-use super::outline::{Outline, VALUE_LIMIT};
+use super::outline::{MAX_VALUES, Outline};
 use super::paths;
-use super::places::{Origins, SceneText};
 use super::schema::ScenePart;
-use super::source::{self, SIZE_LIMIT};
+use super::source::{self, MAX_TOTAL_SIZE};
 use base::error::{Error, Result};
-use base::files::include::may_include;
+use base::files::include::check_include;
 use std::path::{Path, PathBuf};
 
 /// Reader of a scene file and of all that it includes.
@@ -27,7 +27,7 @@ impl Loader {
     /// # Errors
     /// Fails for a file that cannot be read, is invalid, includes itself, or exceeds the limits of a scene; the message
     /// states file, line and column where they are known.
-    pub(super) fn tree(
+    pub(super) fn read_tree(
         &mut self,
         path: &Path,
         chain: &mut Vec<PathBuf>,
@@ -42,12 +42,15 @@ impl Loader {
             }
         };
         let index = self.sources.len();
-        if self.sources.iter().map(|s| s.text.len()).sum::<usize>() + text.len() > SIZE_LIMIT as usize {
-            let message =
-                format!("{} and the files before it are together larger than {} MiB", path.display(), SIZE_LIMIT >> 20);
+        if self.sources.iter().map(|s| s.text.len()).sum::<usize>() + text.len() > MAX_TOTAL_SIZE as usize {
+            let message = format!(
+                "{} and the files before it are together larger than {} MiB",
+                path.display(),
+                MAX_TOTAL_SIZE >> 20
+            );
             return Err(Error::Scene(format!("error: {message}, the limit for a scene")));
         }
-        self.sources.push(SceneText { path: source::shown(path).to_path_buf(), text });
+        self.sources.push(SceneText { path: source::display_path(path).to_path_buf(), text });
         let source = &self.sources[index];
         let mut own = read_part(source)?;
         let dir = folder(path);
@@ -57,15 +60,15 @@ impl Loader {
         let (mut whole, mut origins) = (ScenePart::default(), Origins::new());
         for (i, name) in std::mem::take(&mut own.include).iter().enumerate() {
             let included = dir.join(name);
-            may_include(&included, chain, self.sources.len())
+            check_include(&included, chain, self.sources.len())
                 .map_err(|m| self.sources[index].error_at(&format!("include[{i}]"), &m))?;
-            let (part, theirs) = self.tree(&included, chain, Some((index, i)))?;
-            whole.take_over(part);
+            let (part, theirs) = self.read_tree(&included, chain, Some((index, i)))?;
+            whole.merge(part);
             origins.extend(theirs);
         }
         chain.pop();
-        origins.extend(own.given().into_iter().map(|field| (field, index)));
-        whole.take_over(own);
+        origins.extend(own.given_fields().into_iter().map(|field| (field, index)));
+        whole.merge(own);
         Ok((whole, origins))
     }
 }
@@ -80,7 +83,7 @@ fn read_part(source: &SceneText) -> Result<ScenePart> {
     }
     if outline.is_full() {
         let message = format!(
-            "the scene contains more than {VALUE_LIMIT} values, the limit for a scene file\nput long lists of grasps \
+            "the scene contains more than {MAX_VALUES} values, the limit for a scene file\nput long lists of grasps \
              into a file: grasps: File(\"x_grasps.h5\")"
         );
         return Err(source.error(&Diagnosis::new(&message, 0..0)));

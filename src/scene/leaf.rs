@@ -4,20 +4,20 @@
 //! number itself; a check of the whole struct could only point at its closing parenthesis. The first line of a refusal
 //! is the message; the others become the `help:` of the printed error.
 
-use base::number::shown;
+use base::number::format_number;
 use serde::de::{Deserialize, Deserializer, Error as _, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
 
 /// Largest length allowed in a scene, m: a gripper scene in metres never needs more.
-pub const LENGTH_LIMIT: f64 = 2.0;
+pub const MAX_LENGTH: f64 = 2.0;
 /// Smallest side of a pad, m: far below any real gel. Step sizes towards an object scale with the size of the pad.
-pub const PAD_FLOOR: f64 = 1e-5;
+pub const MIN_PAD_SIDE: f64 = 1e-5;
 /// Smallest stiffness allowed in a scene, Pa: a smaller number was most likely meant in MPa.
-pub const MODULUS_FLOOR: f64 = 1.0;
+pub const MIN_MODULUS: f64 = 1.0;
 /// Longest time allowed in a scene, s.
-pub const TIME_LIMIT: f64 = 1000.0;
+pub const MAX_TIME: f64 = 1000.0;
 /// Largest ratio of cell sizes within a pad.
-pub const RATIO_LIMIT: f64 = 20.0;
+pub const MAX_CELL_RATIO: f64 = 20.0;
 
 macro_rules! number {
     ($(#[$doc:meta])* $name:ident, $check:path) => {
@@ -40,7 +40,7 @@ macro_rules! number {
             }
             /// Creates a default without a check; a test checks all defaults.
             #[allow(dead_code)]
-            pub const fn preset(value: f64) -> Self {
+            pub const fn new_unchecked(value: f64) -> Self {
                 Self(value)
             }
         }
@@ -72,15 +72,15 @@ number! {
     NonNegative, non_negative
 }
 number! {
-    /// Length above zero and at most [`LENGTH_LIMIT`], m.
+    /// Length above zero and at most [`MAX_LENGTH`], m.
     Length, length
 }
 number! {
-    /// Length from zero to [`LENGTH_LIMIT`], m.
+    /// Length from zero to [`MAX_LENGTH`], m.
     Depth, depth
 }
 number! {
-    /// Stiffness, Pa; at least [`MODULUS_FLOOR`].
+    /// Stiffness, Pa; at least [`MIN_MODULUS`].
     Modulus, modulus
 }
 number! {
@@ -92,35 +92,35 @@ number! {
     Fraction, fraction
 }
 number! {
-    /// Time above zero and at most [`TIME_LIMIT`], s.
+    /// Time above zero and at most [`MAX_TIME`], s.
     Seconds, seconds
 }
 number! {
-    /// Ratio from one to [`RATIO_LIMIT`].
+    /// Ratio from one to [`MAX_CELL_RATIO`].
     Ratio, ratio
 }
 
 fn finite(v: f64) -> Result<(), String> {
-    if v.is_finite() { Ok(()) } else { Err(format!("must be a finite number, found {}", shown(v))) }
+    if v.is_finite() { Ok(()) } else { Err(format!("must be a finite number, found {}", format_number(v))) }
 }
 fn anything(_: f64) -> Result<(), String> {
     Ok(())
 }
 fn positive(v: f64) -> Result<(), String> {
-    if v > 0.0 { Ok(()) } else { Err(format!("must be above zero, found {}", shown(v))) }
+    if v > 0.0 { Ok(()) } else { Err(format!("must be above zero, found {}", format_number(v))) }
 }
 fn non_negative(v: f64) -> Result<(), String> {
-    if v >= 0.0 { Ok(()) } else { Err(format!("must be zero or above, found {}", shown(v))) }
+    if v >= 0.0 { Ok(()) } else { Err(format!("must be zero or above, found {}", format_number(v))) }
 }
 fn not_millimetres(v: f64) -> Result<(), String> {
-    if v <= LENGTH_LIMIT {
+    if v <= MAX_LENGTH {
         return Ok(());
     }
     Err(format!(
-        "must be at most {LENGTH_LIMIT} m, found {}\nlengths are in metres: {} mm is {}",
-        shown(v),
-        shown(v),
-        shown(v * 1e-3)
+        "must be at most {MAX_LENGTH} m, found {}\nlengths are in metres: {} mm is {}",
+        format_number(v),
+        format_number(v),
+        format_number(v * 1e-3)
     ))
 }
 fn length(v: f64) -> Result<(), String> {
@@ -131,21 +131,21 @@ fn depth(v: f64) -> Result<(), String> {
 }
 fn modulus(v: f64) -> Result<(), String> {
     positive(v)?;
-    if v >= MODULUS_FLOOR {
+    if v >= MIN_MODULUS {
         return Ok(());
     }
     Err(format!(
-        "must be at least {MODULUS_FLOOR} Pa, found {}\nstiffness is in pascals: {} MPa is {}",
-        shown(v),
-        shown(v),
-        shown(v * 1e6)
+        "must be at least {MIN_MODULUS} Pa, found {}\nstiffness is in pascals: {} MPa is {}",
+        format_number(v),
+        format_number(v),
+        format_number(v * 1e6)
     ))
 }
 fn poisson(v: f64) -> Result<(), String> {
     if v > -1.0 && v < 0.5 {
         return Ok(());
     }
-    let mut message = format!("Poisson's ratio must be above -1 and below 0.5, found {}", shown(v));
+    let mut message = format!("Poisson's ratio must be above -1 and below 0.5, found {}", format_number(v));
     if v >= 0.5 {
         message.push_str(
             "\n0.5 is exactly incompressible and has no finite stiffness; use 0.49 (mean dilatation handles up to 0.499)",
@@ -154,25 +154,25 @@ fn poisson(v: f64) -> Result<(), String> {
     Err(message)
 }
 fn fraction(v: f64) -> Result<(), String> {
-    if v > 0.0 && v <= 1.0 { Ok(()) } else { Err(format!("must be above 0 and at most 1, found {}", shown(v))) }
+    if v > 0.0 && v <= 1.0 { Ok(()) } else { Err(format!("must be above 0 and at most 1, found {}", format_number(v))) }
 }
 fn seconds(v: f64) -> Result<(), String> {
     positive(v)?;
-    if v <= TIME_LIMIT {
+    if v <= MAX_TIME {
         return Ok(());
     }
     Err(format!(
-        "must be at most {TIME_LIMIT} s, found {}\ntimes are in seconds: {} ms is {}",
-        shown(v),
-        shown(v),
-        shown(v * 1e-3)
+        "must be at most {MAX_TIME} s, found {}\ntimes are in seconds: {} ms is {}",
+        format_number(v),
+        format_number(v),
+        format_number(v * 1e-3)
     ))
 }
 fn ratio(v: f64) -> Result<(), String> {
-    if (1.0..=RATIO_LIMIT).contains(&v) {
+    if (1.0..=MAX_CELL_RATIO).contains(&v) {
         return Ok(());
     }
-    Err(format!("must be from 1 to {RATIO_LIMIT}, found {}", shown(v)))
+    Err(format!("must be from 1 to {MAX_CELL_RATIO}, found {}", format_number(v)))
 }
 
 /// Whole number from `MIN` to `MAX`.
@@ -195,7 +195,7 @@ impl<const MIN: u64, const MAX: u64> Count<MIN, MAX> {
         self.0 as usize
     }
     /// Creates a default without a check; a test checks all defaults.
-    pub const fn preset(value: u64) -> Self {
+    pub const fn new_unchecked(value: u64) -> Self {
         Self(value)
     }
 }
@@ -230,6 +230,6 @@ impl<const MIN: u64, const MAX: u64> Visitor<'_> for CountVisitor<MIN, MAX> {
             .and_then(|v| self.visit_u64(v))
     }
     fn visit_f64<E: serde::de::Error>(self, v: f64) -> Result<Self::Value, E> {
-        Err(E::invalid_value(Unexpected::Other(&format!("`{}`", shown(v))), &self))
+        Err(E::invalid_value(Unexpected::Other(&format!("`{}`", format_number(v))), &self))
     }
 }

@@ -2,12 +2,12 @@
 
 use super::check;
 use super::diagnose::Diagnosis;
-use super::excerpt::clipped;
+use super::excerpt::truncate_name;
+use super::field_positions::{FieldPositions, Origins, SceneText};
 use super::include::{Loader, folder};
 use super::objects::{Name, Split};
-use super::places::{FieldPlaces, Origins, SceneText};
 use super::schema::{NamedScene, Scene};
-use super::source::{is_stream, shown};
+use super::source::{display_path, is_stream};
 use base::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,22 +24,22 @@ pub struct Loaded {
     /// Paths of all files read: the scene file, then its includes.
     pub sources: Vec<PathBuf>,
     /// Positions of the fields in the files.
-    places: Arc<FieldPlaces>,
+    places: Arc<FieldPositions>,
 }
 
 impl Loaded {
     /// Converts an error about a field of the scene into one that shows the position of the field; returns other errors
     /// unchanged.
-    pub fn place(&self, error: Error) -> Error {
+    pub fn locate_error(&self, error: Error) -> Error {
         self.places.place(error, None)
     }
 }
 
 /// Converts an error about a field of the scene with this `text`, from the file at `path`, into one that shows the
 /// position of the field; returns other errors unchanged.
-pub fn place_in(path: &Path, text: &str, error: Error) -> Error {
+pub fn locate_error_in(path: &Path, text: &str, error: Error) -> Error {
     let sources = vec![SceneText { path: path.to_path_buf(), text: text.into() }];
-    FieldPlaces { sources, origins: Origins::new(), listed: Vec::new() }.place(error, None)
+    FieldPositions { sources, origins: Origins::new(), listed: Vec::new() }.place(error, None)
 }
 
 /// All scenes of a file, one per object.
@@ -56,7 +56,7 @@ pub struct LoadedSet {
     /// Paths of all files read: the scene file, then its includes.
     pub sources: Vec<PathBuf>,
     /// Positions of the fields in the files.
-    places: Arc<FieldPlaces>,
+    places: Arc<FieldPositions>,
 }
 
 /// Loads a scene file of one object.
@@ -73,9 +73,10 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
 /// Returns an error ready to print if a file cannot be read, a value is refused, no object has this name, or
 /// the file has several objects and none is named.
 pub fn load_object(path: impl AsRef<Path>, object: Option<&str>) -> Result<Loaded> {
-    let mut set = load_set(path)?.only(object)?;
+    let mut set = load_set(path)?.retain_object(object)?;
     if set.scenes.len() > 1 {
-        let message = format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.names());
+        let message =
+            format!("{}: has several objects; choose one with --object: {}", set.path.display(), set.listed_names());
         return Err(Error::Argument(message));
     }
     let scene = set.scenes.swap_remove(0).scene;
@@ -87,22 +88,24 @@ impl LoadedSet {
     ///
     /// # Errors
     /// Fails if no object has this name.
-    pub fn only(mut self, object: Option<&str>) -> Result<Self> {
+    pub fn retain_object(mut self, object: Option<&str>) -> Result<Self> {
         let Some(name) = object else { return Ok(self) };
         match self.scenes.iter().position(|s| s.name.as_str() == name) {
             Some(index) => {
                 self.scenes = vec![self.scenes.swap_remove(index)];
                 Ok(self)
             }
-            None => {
-                self.refuse(format!("has no object {}; it has: {}", format_args!("{:?}", clipped(name)), self.names()))
-            }
+            None => self.scene_error(format!(
+                "has no object {}; it has: {}",
+                format_args!("{:?}", truncate_name(name)),
+                self.listed_names()
+            )),
         }
     }
 
     /// Converts an error about a field of the scene of the object `name` into one that shows the position of the field;
     /// returns other errors unchanged.
-    pub fn place(&self, error: Error, name: &Name) -> Error {
+    pub fn locate_error(&self, error: Error, name: &Name) -> Error {
         self.places.place(error, Some(name))
     }
 
@@ -110,23 +113,25 @@ impl LoadedSet {
     ///
     /// # Errors
     /// Fails at the field of a pad that differs.
-    pub fn needs_alike(&self, what: &str) -> Result<()> {
-        let alike = |named: &NamedScene| named.scene.gripper.needs_alike(what).map_err(|e| self.place(e, &named.name));
+    pub fn require_equal_pads(&self, what: &str) -> Result<()> {
+        let alike = |named: &NamedScene| {
+            named.scene.gripper.require_equal_fingers(what).map_err(|e| self.locate_error(e, &named.name))
+        };
         self.scenes.iter().try_for_each(alike)
     }
 
     /// Returns the names of the first 20 objects for a message.
-    fn names(&self) -> String {
-        const SHOWN: usize = 20;
-        let mut names: Vec<_> = self.scenes.iter().take(SHOWN).map(|s| s.name.as_str()).collect();
-        if self.scenes.len() > SHOWN {
+    fn listed_names(&self) -> String {
+        const MAX_LISTED: usize = 20;
+        let mut names: Vec<_> = self.scenes.iter().take(MAX_LISTED).map(|s| s.name.as_str()).collect();
+        if self.scenes.len() > MAX_LISTED {
             names.push("...");
         }
         names.join(", ")
     }
 
-    fn refuse<T>(&self, message: String) -> Result<T> {
-        Err(Error::Scene(format!("error: {}: {message}", shown(&self.path).display())))
+    fn scene_error<T>(&self, message: String) -> Result<T> {
+        Err(Error::Scene(format!("error: {}: {message}", display_path(&self.path).display())))
     }
 }
 
@@ -146,7 +151,7 @@ pub fn load_set(path: impl AsRef<Path>) -> Result<LoadedSet> {
 pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSet> {
     let path = path.as_ref();
     let mut loader = Loader::default();
-    let (mut part, origins) = loader.tree(path, &mut Vec::new(), None)?;
+    let (mut part, origins) = loader.read_tree(path, &mut Vec::new(), None)?;
     match (seed, &mut part.universe) {
         (Some(seed), Some(universe)) => universe.seed = seed,
         (Some(_), None) => {
@@ -155,7 +160,7 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
         (None, _) => {}
     }
     let listed = part.objects.iter().flatten().map(|e| (e.name.clone(), e.grasps.is_some())).collect();
-    let places = FieldPlaces { sources: loader.sources, origins, listed };
+    let places = FieldPositions { sources: loader.sources, origins, listed };
     let at = |problem: check::Problem| places.error_at(&problem.path, &problem.message);
     check::objects(&part, places.shared()).map_err(at)?;
     let (split, drawn) = (part.split.unwrap_or_default(), part.universe.is_some());
@@ -168,7 +173,7 @@ pub fn load_seeded(path: impl AsRef<Path>, seed: Option<u64>) -> Result<LoadedSe
         main.error(&Diagnosis::new(&message, end.saturating_sub(1)..end))
     })?;
     for (i, named) in scenes.iter().enumerate() {
-        check::check(&named.scene).map_err(|p| places.error_at(&places.written(&p.path, Some(i)), &p.message))?;
+        check::check(&named.scene).map_err(|p| places.error_at(&places.path_in_file(&p.path, Some(i)), &p.message))?;
     }
     let sources = places.sources.iter().map(|s| s.path.clone()).collect();
     Ok(LoadedSet { scenes, split, drawn, path: path.to_path_buf(), sources, places: Arc::new(places) })

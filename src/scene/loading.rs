@@ -90,7 +90,7 @@ impl Squeeze {
 
 impl ObjectPush {
     /// Returns the fraction of the push at each of its frames.
-    pub fn parts(&self) -> Vec<f64> {
+    pub fn push_fractions(&self) -> Vec<f64> {
         steps(1.0, self.frames.get())
     }
 }

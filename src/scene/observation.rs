@@ -69,8 +69,8 @@ impl Observe {
     }
 
     /// Default observations of an agent.
-    pub const USUAL: [Observe; 4] =
-        [Observe::TaxelForce(Grid::USUAL), Observe::Wrench, Observe::Travel, Observe::Force];
+    pub const DEFAULT: [Observe; 4] =
+        [Observe::TaxelForce(Grid::DEFAULT), Observe::Wrench, Observe::Travel, Observe::Force];
 }
 
 /// Grid of taxels along pad x (rows) and pad y (columns).
@@ -85,7 +85,7 @@ pub struct Grid {
 
 impl Grid {
     /// Default grid.
-    pub const USUAL: Grid = Grid { rows: Count::preset(8), cols: Count::preset(8) };
+    pub const DEFAULT: Grid = Grid { rows: Count::new_unchecked(8), cols: Count::new_unchecked(8) };
 
     /// Returns the number of taxels.
     pub fn taxels(&self) -> usize {
@@ -95,7 +95,7 @@ impl Grid {
 
 impl Default for Grid {
     fn default() -> Self {
-        Self::USUAL
+        Self::DEFAULT
     }
 }
 

@@ -4,7 +4,7 @@
 //! serde discards positions after a value is read, but the messages of later checks across fields show the position of
 //! the field. On invalid text the outline ends early.
 
-use super::excerpt::clipped;
+use super::excerpt::truncate_name;
 use std::ops::Range;
 
 /// Field or list element with its position in the text.
@@ -48,10 +48,10 @@ pub(super) struct Outline<'a> {
 }
 
 /// Largest number of values of a scene file, far above that of any real scene.
-pub(super) const VALUE_LIMIT: usize = 2_000_000;
+pub(super) const MAX_VALUES: usize = 2_000_000;
 
 /// Largest depth of nesting: above that of any real scene, small enough for the call stack.
-const DEPTH_LIMIT: usize = 64;
+const MAX_DEPTH: usize = 64;
 
 impl<'a> Outline<'a> {
     /// Scans the text; never fails.
@@ -66,9 +66,9 @@ impl<'a> Outline<'a> {
         Self { text, nodes: scan.nodes, entries: scan.entries }
     }
 
-    /// Returns true if the text has more values than [`VALUE_LIMIT`], at which the outline ends.
+    /// Returns true if the text has more values than [`MAX_VALUES`], at which the outline ends.
     pub fn is_full(&self) -> bool {
-        self.nodes.len() >= VALUE_LIMIT
+        self.nodes.len() >= MAX_VALUES
     }
 
     /// Returns true if the text contains only blanks and comments.
@@ -111,7 +111,7 @@ impl<'a> Outline<'a> {
                 Step::Root => {}
                 Step::Key(key) => {
                     path.push_str(if path.is_empty() { "" } else { "." });
-                    path.push_str(&clipped(&self.text[key.clone()]));
+                    path.push_str(&truncate_name(&self.text[key.clone()]));
                 }
                 Step::Index(index) => path.push_str(&format!("[{index}]")),
             }
@@ -266,7 +266,7 @@ impl Scan<'_> {
     /// Scans the text between brackets. The single positional value after a name (`Sphere(0.1)`, `List([...])`) is the
     /// named value itself and gets no index.
     fn group(&mut self, node: usize, named: bool, depth: usize) {
-        if depth >= DEPTH_LIMIT || self.nodes.len() >= VALUE_LIMIT {
+        if depth >= MAX_DEPTH || self.nodes.len() >= MAX_VALUES {
             self.at = self.text.len();
             return;
         }
@@ -284,7 +284,7 @@ impl Scan<'_> {
                 _ => {}
             }
             let start = self.at;
-            if self.nodes.len() >= VALUE_LIMIT {
+            if self.nodes.len() >= MAX_VALUES {
                 self.at = self.text.len();
                 return;
             }

@@ -22,7 +22,7 @@ pub struct Record {
 impl Default for Record {
     fn default() -> Self {
         Self {
-            fields: Field::USUAL.to_vec(),
+            fields: Field::DEFAULT.to_vec(),
             tactile: Vec::new(),
             pictures: true,
             arrays: Some(Arrays::Npz),
@@ -52,7 +52,7 @@ impl Field {
         [Field::Displacement, Field::Stress, Field::ContactForce, Field::Gap, Field::ObjectPose];
 
     /// Fields recorded by default. The gap is left out, because it costs a distance query for every node.
-    pub const USUAL: [Field; 4] = [Field::Displacement, Field::Stress, Field::ContactForce, Field::ObjectPose];
+    pub const DEFAULT: [Field; 4] = [Field::Displacement, Field::Stress, Field::ContactForce, Field::ObjectPose];
 }
 
 /// Format of the arrays.

@@ -51,10 +51,10 @@ impl Overrides {
     /// Fails if a value is out of range, does not apply to the backend or the loading, or is inconsistent with the rest
     /// of the scene; `scene` may then be changed in part.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.choose(&mut scene.stepper)?;
-        self.trust(&mut scene.stepper)?;
+        self.apply_backend(&mut scene.stepper)?;
+        self.apply_error_limit(&mut scene.stepper)?;
         if let Some(threads) = self.threads {
-            let threads = Count::new(threads).map_err(|m| refused(&format!("--threads {m}")))?;
+            let threads = Count::new(threads).map_err(|m| argument_error(&format!("--threads {m}")))?;
             if let StepperChoice::Fem(Fem { threads: own, .. }) = &mut scene.stepper {
                 *own = Some(threads);
             }
@@ -63,17 +63,17 @@ impl Overrides {
             limit_time(&mut scene.stepper, seconds)?;
         }
         if let Some(force) = self.force {
-            scene.loading.set_force(force).map_err(|m| refused(&m))?;
+            scene.loading.set_force(force).map_err(|m| argument_error(&m))?;
         }
         if let Some(frames) = self.frames {
-            scene.loading.set_frames(frames).map_err(|m| refused(&m))?;
+            scene.loading.set_frames(frames).map_err(|m| argument_error(&m))?;
         }
         scene.record.pictures &= !self.no_pictures;
         recheck(scene)
     }
 
     /// Applies backend and model.
-    fn choose(&self, stepper: &mut StepperChoice) -> Result<()> {
+    fn apply_backend(&self, stepper: &mut StepperChoice) -> Result<()> {
         match (self.backend, &mut *stepper) {
             (Some(Backend::Fem | Backend::Condensed), stepper) => {
                 let mut fem = if let StepperChoice::Fem(fem) = stepper { *fem } else { Fem::default() };
@@ -94,24 +94,24 @@ impl Overrides {
                 Ok(())
             }
             (Some(_), StepperChoice::Fem(_)) => {
-                Err(refused("--model is allowed only for a network; add --backend gnn"))
+                Err(argument_error("--model is allowed only for a network; add --backend gnn"))
             }
         }
     }
 
     /// Applies the accepted error and the extrapolation of a network.
-    fn trust(&self, stepper: &mut StepperChoice) -> Result<()> {
+    fn apply_error_limit(&self, stepper: &mut StepperChoice) -> Result<()> {
         match stepper {
             StepperChoice::Gnn(gnn) => {
                 let most = self.error_at_most.map(Positive::new).transpose();
-                let most = most.map_err(|m| refused(&format!("--error-at-most {m}")))?;
+                let most = most.map_err(|m| argument_error(&format!("--error-at-most {m}")))?;
                 gnn.error_at_most = most.or(gnn.error_at_most);
                 gnn.extrapolate |= self.extrapolate;
                 Ok(())
             }
-            StepperChoice::Fem(_) if self.error_at_most.is_some() || self.extrapolate => {
-                Err(refused("--error-at-most and --extrapolate are allowed only for a network; add --backend gnn"))
-            }
+            StepperChoice::Fem(_) if self.error_at_most.is_some() || self.extrapolate => Err(argument_error(
+                "--error-at-most and --extrapolate are allowed only for a network; add --backend gnn",
+            )),
             StepperChoice::Fem(_) => Ok(()),
         }
     }
@@ -123,11 +123,11 @@ impl Overrides {
 /// # Errors
 /// Fails if the time is not a finite number above zero, or the backend is a network.
 pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
-    let seconds = Positive::new(seconds).map_err(|m| refused(&format!("--max-time {m}")))?;
+    let seconds = Positive::new(seconds).map_err(|m| argument_error(&format!("--max-time {m}")))?;
     match stepper {
         StepperChoice::Fem(fem) => fem.max_time = Some(seconds),
         StepperChoice::Gnn(_) => {
-            return Err(refused(
+            return Err(argument_error(
                 "--max-time is allowed only for finite elements: a network takes the same time for every grasp",
             ));
         }
@@ -135,6 +135,6 @@ pub fn limit_time(stepper: &mut StepperChoice, seconds: f64) -> Result<()> {
     Ok(())
 }
 
-fn refused(message: &str) -> Error {
+fn argument_error(message: &str) -> Error {
     Error::Argument(message.into())
 }

@@ -9,7 +9,7 @@ use super::pad::Pads;
 use super::schema::ScenePart;
 use super::stepper::{SHIPPED_MODELS, StepperChoice};
 use crate::robot::mount;
-use base::files::regular::other_kind;
+use base::files::regular::special_file_kind;
 use std::path::{Path, PathBuf};
 
 /// Resolves paths relative to the folder of the scene file, refuses paths that do not lead to a file, and applies robot
@@ -18,7 +18,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
     let file = |path: &mut PathBuf, field: String| {
         *path = dir.join(&*path);
         match path.metadata() {
-            Ok(meta) => match other_kind(&meta) {
+            Ok(meta) => match special_file_kind(&meta) {
                 Some(kind) => Err((field, format!("{} is {kind}, not a file", path.display()))),
                 None => Ok(()),
             },
@@ -70,7 +70,7 @@ pub(super) fn resolve(part: &mut ScenePart, dir: &Path, text: &str) -> std::resu
         if mounted.as_ref().is_ok_and(|mounted| mounted.soft.is_some()) {
             twice(&["pads", "material", "right.pads", "right.material"])?;
         }
-        mounted.and_then(|mounted| gripper.take_over(mounted)).map_err(|message| (format!("{field}.robot"), message))
+        mounted.and_then(|mounted| gripper.apply_robot(mounted)).map_err(|message| (format!("{field}.robot"), message))
     };
     part.object.as_mut().map_or(Ok(()), |o| object(o, "object"))?;
     part.grasps.as_mut().map_or(Ok(()), |g| grasps(g, "grasps"))?;

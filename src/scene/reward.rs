@@ -36,7 +36,7 @@ pub struct HoldReward {
 
 impl Default for HoldReward {
     fn default() -> Self {
-        Self { weight: NonNegative::preset(1.0), drop: NonNegative::preset(10.0) }
+        Self { weight: NonNegative::new_unchecked(1.0), drop: NonNegative::new_unchecked(10.0) }
     }
 }
 
@@ -51,7 +51,7 @@ pub struct SlipReward {
 
 impl Default for SlipReward {
     fn default() -> Self {
-        Self { weight: NonNegative::preset(1.0) }
+        Self { weight: NonNegative::new_unchecked(1.0) }
     }
 }
 
@@ -68,7 +68,7 @@ pub struct StressReward {
 }
 
 const fn one() -> NonNegative {
-    NonNegative::preset(1.0)
+    NonNegative::new_unchecked(1.0)
 }
 
 /// Subtracts `weight` times the force over the largest allowed force in each step.
@@ -82,6 +82,6 @@ pub struct EconomyReward {
 
 impl Default for EconomyReward {
     fn default() -> Self {
-        Self { weight: NonNegative::preset(1.0) }
+        Self { weight: NonNegative::new_unchecked(1.0) }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::leaf::Finite;
 use super::vector::{Tuple, TupleVisitor};
-use base::number::shown;
+use base::number::format_number;
 use glam::{DQuat, EulerRot};
 use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
@@ -121,7 +121,7 @@ impl<'de> Visitor<'de> for NumberOrTripleVisitor {
     }
     fn visit_f64<E: serde::de::Error>(self, v: f64) -> Result<Self::Value, E> {
         if !v.is_finite() {
-            return Err(E::custom(format!("must be a finite number, found {}", shown(v))));
+            return Err(E::custom(format!("must be a finite number, found {}", format_number(v))));
         }
         Ok(NumberOrTriple::Number(v))
     }

@@ -39,7 +39,7 @@ pub struct Scene {
     /// Expected results, checked after each grasp.
     pub expect: Vec<Expectation>,
     /// Expected results if a network computes the grasps; None takes those entries of `expect` that a network meets by
-    /// construction, see [`Expectation::by_network`].
+    /// construction, see [`Expectation::holds_by_construction`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expect_network: Option<Vec<Expectation>>,
     /// Reinforcement learning task in the scene, see [`env`]; a run ignores it.
@@ -48,16 +48,18 @@ pub struct Scene {
 
 impl Scene {
     /// Returns the expected results against which a run with the scene's backend is checked.
-    pub fn promises(&self) -> Cow<'_, [Expectation]> {
+    pub fn expectations(&self) -> Cow<'_, [Expectation]> {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => Cow::Borrowed(&self.expect),
             (StepperChoice::Gnn(_), Some(own)) => Cow::Borrowed(own),
-            (StepperChoice::Gnn(_), None) => self.expect.iter().filter(|e| e.by_network()).cloned().collect(),
+            (StepperChoice::Gnn(_), None) => {
+                self.expect.iter().filter(|e| e.holds_by_construction()).cloned().collect()
+            }
         }
     }
 
-    /// Returns the name of the field from which [`Scene::promises`] are taken, in words.
-    pub fn promised_in(&self) -> &'static str {
+    /// Returns the name of the field from which [`Scene::expectations`] are taken, in words.
+    pub fn expectations_source(&self) -> &'static str {
         match (&self.stepper, &self.expect_network) {
             (StepperChoice::Fem(_), _) => "expect",
             (StepperChoice::Gnn(_), Some(_)) => "expect_network",
@@ -66,7 +68,7 @@ impl Scene {
     }
 
     /// Returns both lists with the names of their fields.
-    pub(super) fn promise_lists(&self) -> [(&'static str, &[Expectation]); 2] {
+    pub(super) fn expectation_lists(&self) -> [(&'static str, &[Expectation]); 2] {
         [("expect", &self.expect), ("expect_network", self.expect_network.as_deref().unwrap_or_default())]
     }
 
@@ -79,7 +81,7 @@ impl Scene {
     }
 
     /// Returns the scene without the finer mesh of the finite elements.
-    pub fn on_own_mesh(&self) -> Cow<'_, Self> {
+    pub fn without_finer_mesh(&self) -> Cow<'_, Self> {
         if self.finer_mesh().is_none() {
             return Cow::Borrowed(self);
         }
@@ -91,7 +93,7 @@ impl Scene {
     }
 
     /// Removes all expected results.
-    pub fn promise_nothing(&mut self) {
+    pub fn clear_expectations(&mut self) {
         self.expect.clear();
         self.expect_network = None;
     }
@@ -119,14 +121,14 @@ macro_rules! part {
 
         impl ScenePart {
             /// Replaces every field that `other` gives.
-            pub fn take_over(&mut self, other: ScenePart) {
+            pub fn merge(&mut self, other: ScenePart) {
                 $(if other.$field.is_some() {
                     self.$field = other.$field;
                 })*
             }
 
             /// Returns the names of the fields that this file gives.
-            pub fn given(&self) -> Vec<&'static str> {
+            pub fn given_fields(&self) -> Vec<&'static str> {
                 let mut names = Vec::new();
                 $(if self.$field.is_some() {
                     names.push(stringify!($field));

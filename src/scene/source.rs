@@ -1,8 +1,8 @@
 //! Reads the text of a scene file, with the reason for a failure.
 
 use base::error::{Error, Result};
-pub use base::files::include::SIZE_LIMIT;
-use base::files::regular::{other_kind, refusal};
+pub use base::files::include::MAX_TOTAL_SIZE;
+use base::files::regular::{error_kind, special_file_kind};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -15,7 +15,7 @@ pub(super) fn is_stream(path: &Path) -> bool {
 }
 
 /// Returns the path of a scene file as shown in messages.
-pub(super) fn shown(path: &Path) -> &Path {
+pub(super) fn display_path(path: &Path) -> &Path {
     if path == Path::new("-") { Path::new("<stdin>") } else { path }
 }
 
@@ -28,22 +28,22 @@ fn open(path: &Path, may_stream: bool) -> Result<Box<dyn Read>> {
     let unopened = |e: std::io::Error| Error::system(path, format!("cannot be opened: {}", reason(&e)), e.kind());
     // Opening a FIFO may block forever, and reading a device may never end.
     let meta = path.metadata().map_err(unopened)?;
-    if let Some(kind) = other_kind(&meta).filter(|_| !streams) {
-        return Err(Error::system(path, format!("is {kind}, not a scene file"), refusal(&meta)));
+    if let Some(kind) = special_file_kind(&meta).filter(|_| !streams) {
+        return Err(Error::system(path, format!("is {kind}, not a scene file"), error_kind(&meta)));
     }
     Ok(Box::new(File::open(path).map_err(unopened)?))
 }
 
-/// Reads a text of at most [`SIZE_LIMIT`] bytes from a regular file or, if it `may_stream`, from an open stream; every
-/// error message names the file.
+/// Reads a text of at most [`MAX_TOTAL_SIZE`] bytes from a regular file or, if it `may_stream`, from an open stream;
+/// every error message names the file.
 pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
     let file = open(path, may_stream)?;
     let mut bytes = Vec::new();
     // one byte more than allowed distinguishes too large from just fitting, also for a growing file
-    let read = file.take(SIZE_LIMIT + 1).read_to_end(&mut bytes);
+    let read = file.take(MAX_TOTAL_SIZE + 1).read_to_end(&mut bytes);
     read.or_else(|e| fail(path, format!("cannot be read: {}", reason(&e))))?;
-    if bytes.len() as u64 > SIZE_LIMIT {
-        return fail(path, format!("is larger than {} MiB, the limit for a scene file", SIZE_LIMIT >> 20));
+    if bytes.len() as u64 > MAX_TOTAL_SIZE {
+        return fail(path, format!("is larger than {} MiB, the limit for a scene file", MAX_TOTAL_SIZE >> 20));
     }
     if let Some(at) = bytes.iter().position(|&b| b == 0) {
         return fail(path, format!("is not a text file (zero byte at offset {at}); a scene is RON text"));
@@ -61,7 +61,7 @@ pub(super) fn read(path: &Path, may_stream: bool) -> Result<String> {
 }
 
 fn failure(path: &Path, what: impl std::fmt::Display) -> Error {
-    Error::Scene(format!("error: {} {what}", shown(path).display()))
+    Error::Scene(format!("error: {} {what}", display_path(path).display()))
 }
 
 fn fail<T>(path: &Path, what: impl std::fmt::Display) -> Result<T> {

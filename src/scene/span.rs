@@ -8,7 +8,7 @@ pub type Span = Tuple<Positive, 2>;
 
 impl Tuple<Positive, 2> {
     /// Returns the linear interpolation at `part` (0..1) of the range.
-    pub fn at(self, part: f64) -> f64 {
+    pub fn interpolate(self, part: f64) -> f64 {
         let [low, high] = self.0.map(Positive::get);
         low + part * (high - low)
     }

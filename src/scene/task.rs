@@ -56,7 +56,7 @@ impl Default for Task {
             lift: defaults::TASK_LIFT,
             pushes: None,
             slip_limit: defaults::TASK_SLIP_LIMIT,
-            observe: Observe::USUAL.to_vec(),
+            observe: Observe::DEFAULT.to_vec(),
             reward: vec![Reward::default()],
             randomise: Randomise::default(),
         }

@@ -35,8 +35,8 @@ impl Vec3 {
     pub(super) fn of(v: DVec3) -> Result<Self, String> {
         Ok(Tuple([Finite::new(v.x)?, Finite::new(v.y)?, Finite::new(v.z)?]))
     }
-    pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
-        Tuple([Finite::preset(x), Finite::preset(y), Finite::preset(z)])
+    pub(crate) const fn new_unchecked3(x: f64, y: f64, z: f64) -> Self {
+        Tuple([Finite::new_unchecked(x), Finite::new_unchecked(y), Finite::new_unchecked(z)])
     }
 }
 
@@ -45,8 +45,8 @@ impl Direction {
     pub fn unit(self) -> DVec3 {
         self.0.dvec3().normalize()
     }
-    pub(crate) const fn preset3(x: f64, y: f64, z: f64) -> Self {
-        Self(Vec3::preset3(x, y, z))
+    pub(crate) const fn new_unchecked3(x: f64, y: f64, z: f64) -> Self {
+        Self(Vec3::new_unchecked3(x, y, z))
     }
 }
 
@@ -78,8 +78,8 @@ impl Size {
     pub fn size(self) -> DVec3 {
         DVec3::from_array(self.0.map(Length::get))
     }
-    pub(crate) const fn preset_size(x: f64, y: f64, z: f64) -> Self {
-        Tuple([Length::preset(x), Length::preset(y), Length::preset(z)])
+    pub(crate) const fn new_unchecked_size(x: f64, y: f64, z: f64) -> Self {
+        Tuple([Length::new_unchecked(x), Length::new_unchecked(y), Length::new_unchecked(z)])
     }
 }
 

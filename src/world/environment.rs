@@ -10,7 +10,7 @@ use base::error::{Error, Result};
 use bevy_ecs::prelude::*;
 use geometry::Pose;
 use model::Model;
-use model::judge::Findings;
+use model::evaluation::Findings;
 use record::Frame;
 use std::collections::BTreeMap;
 use std::sync::Arc;

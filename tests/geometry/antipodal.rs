@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use std::path::Path;
-use tactus::model::grasp::{grasps_of, keep_first, poses_of, sample_of};
+use tactus::model::grasp::{grasp_poses, keep_first, resolve_grasps, sample_grasps};
 use tactus::model::part::object;
 use tactus::scene::{GraspCount, Grasps, Scene, load, load_set};
 
@@ -25,7 +25,7 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
             wanted.count = tactus::scene::leaf::Count::new(20).unwrap();
         }
         let shape = object::build(&named.scene.object, &mut Vec::new()).unwrap();
-        let poses = poses_of(&named.scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let poses = grasp_poses(&named.scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(poses.len(), 20, "{name}");
         // Largest tilt of the scene: 15 degrees, less than the half-angle of the friction cone at 0.8.
         let least = 15_f64.to_radians().cos() - 1e-6;
@@ -56,18 +56,18 @@ fn contacts_face_each_other_within_the_cone_and_the_pads_are_centred_on_them() {
 
 #[test]
 fn a_seed_fixes_the_grasps_and_more_grasps_begin_with_the_same_ones() {
-    let poses = |antipodal: &str| poses_of(&scene("Lemon()", antipodal, "")).unwrap();
+    let poses = |antipodal: &str| grasp_poses(&scene("Lemon()", antipodal, "")).unwrap();
     let (five, nine) = (poses("count: 5, seed: 3"), poses("count: 9, seed: 3"));
     assert_eq!(five[..], nine[..5]);
     assert_ne!(five, poses("count: 5, seed: 4"));
     let mut cut = scene("Lemon()", "count: 9, seed: 3", "");
     keep_first(&mut cut.grasps, GraspCount::new(5).unwrap()).unwrap();
-    assert_eq!(five, poses_of(&cut).unwrap());
+    assert_eq!(five, grasp_poses(&cut).unwrap());
 }
 
 #[test]
 fn points_are_uniform_by_area_and_approaches_about_the_axis() {
-    let poses = poses_of(&scene("Sphere(radius: 0.02)", "count: 4000, seed: 1", "")).unwrap();
+    let poses = grasp_poses(&scene("Sphere(radius: 0.02)", "count: 4000, seed: 1", "")).unwrap();
     let mean = |v: &dyn Fn(usize) -> DVec3| (0..poses.len()).map(v).sum::<DVec3>() / poses.len() as f64;
     // The mean of n random unit vectors has a norm of about 1 / sqrt(n) = 0.016.
     assert!(mean(&|i| poses[i].rotation * DVec3::X).length() < 0.05, "closing axes have no preferred direction");
@@ -80,15 +80,15 @@ fn points_are_uniform_by_area_and_approaches_about_the_axis() {
 fn rejections_are_counted_and_named() {
     let tube = scene("Annulus(outer: 0.025, inner: 0.015, height: 0.04)", "count: 20", "");
     let Grasps::Antipodal(wanted) = &tube.grasps else { unreachable!() };
-    let sampled = sample_of(&tube, wanted).unwrap();
+    let sampled = sample_grasps(&tube, wanted).unwrap();
     assert_eq!(sampled.poses.len() + sampled.rejected.iter().sum::<usize>(), sampled.tries);
     assert!(sampled.report().contains("occluded by another part of the object"), "{}", sampled.report());
-    assert_eq!(grasps_of(&tube).unwrap().notices, [sampled.report()]);
+    assert_eq!(resolve_grasps(&tube).unwrap().notices, [sampled.report()]);
 }
 
 #[test]
 fn an_object_that_does_not_fit_says_why() {
-    let refused = |shape: &str, gripper: &str| poses_of(&scene(shape, "count: 1", gripper)).unwrap_err().to_string();
+    let refused = |shape: &str, gripper: &str| grasp_poses(&scene(shape, "count: 1", gripper)).unwrap_err().to_string();
     let text = refused("Sphere(radius: 0.05)", "");
     assert!(text.contains("0 antipodal grasps from 2000 tries") && text.contains("too wide"), "{text}");
     let text = refused("Sphere(radius: 0.02)", "stroke: 0.01");
@@ -108,7 +108,7 @@ fn sampled_grasps_go_through_a_grasp_file_to_the_bit() {
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
     assert!(String::from_utf8_lossy(&out.stdout).contains("8 antipodal grasps from"), "the report is printed");
     // Quaternions in files are normalised up to rounding.
-    let (read, sampled) = (tactus::model::grasp::read_grasps_h5(&h5).unwrap(), poses_of(&lemon).unwrap());
+    let (read, sampled) = (tactus::model::grasp::read_grasps_h5(&h5).unwrap(), grasp_poses(&lemon).unwrap());
     assert_eq!(read.len(), 8);
     for (a, b) in read.iter().zip(&sampled) {
         assert!(a.position == b.position && a.rotation.abs_diff_eq(b.rotation, 1e-15));

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use hdf5_pure::FileBuilder;
 use std::path::Path;
 use tactus::geometry::Pose;
-use tactus::model::grasp::{keep_first, poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::model::grasp::{grasp_poses, keep_first, read_grasps_h5, write_grasps_h5};
 use tactus::scene::{GraspCount, Scene, load};
 
 /// Returns the triangles of a binary STL file.
@@ -88,7 +88,7 @@ fn scenes_choose_among_the_grasps_of_a_file() {
         load(&path).unwrap().scene
     };
     let numbers =
-        |scene: &Scene| poses_of(scene).map(|poses| poses.iter().map(|p| p.position.x as i32).collect::<Vec<_>>());
+        |scene: &Scene| grasp_poses(scene).map(|poses| poses.iter().map(|p| p.position.x as i32).collect::<Vec<_>>());
     let rows = |grasps: &str| numbers(&scene(grasps));
     assert_eq!(rows("File(\"g.h5\")").unwrap(), (0..10).collect::<Vec<_>>());
     assert_eq!(rows("File(path: \"g.h5\", select: [7, 0])").unwrap(), [7, 0]);
@@ -114,7 +114,7 @@ fn the_identity_puts_the_object_between_the_pads() {
     let gripper = "gripper: (placement: (y: 0.01, z: 0.12))";
     let text = format!("(object: (shape: Sphere(radius: 0.02)), loading: Squeeze(force: 15), {gripper})");
     std::fs::write(&path, text).unwrap();
-    let poses = poses_of(&load(&path).unwrap().scene).unwrap();
+    let poses = grasp_poses(&load(&path).unwrap().scene).unwrap();
     assert_eq!(poses.len(), 1);
     assert_eq!(poses[0].inverse_transform(DVec3::ZERO), DVec3::new(0.0, 0.01, 0.12));
 }
@@ -129,7 +129,7 @@ fn a_centre_lies_between_the_pads_of_a_turned_hand() {
                  grasps: List([(centre: (0.001, 0.002, 0.003), rotation: RpyDeg((0, 60, 0))), (centre: (0, 0, 0))]))";
     std::fs::write(&path, text).unwrap();
     let scene = load(&path).unwrap().scene;
-    let poses = poses_of(&scene).unwrap();
+    let poses = grasp_poses(&scene).unwrap();
     let turned = poses[0].inverse_transform(DVec3::new(0.001, 0.002, 0.003));
     assert!((turned - DVec3::new(0.0, 0.01, 0.12)).length() < 1e-15, "{turned} m in the hand");
     let expected = DQuat::from_rotation_y(60_f64.to_radians());

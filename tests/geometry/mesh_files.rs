@@ -98,8 +98,8 @@ fn real_tetrahedral_files() {
         eprintln!("{name}: worst {:.4}, mean {:.3}, notices {notices:?}", q.worst, q.mean);
         assert_eq!((mesh.nodes.len(), mesh.tets.len()), (nodes, tets), "{name}");
         assert!(q.min_volume > 0.0, "{name}");
-        let report = topology::watertight(&surface::boundary_mesh(&mesh).0);
-        assert!(report.open.count == 0, "{name}: {report:?}");
+        let report = topology::check_edges(&surface::boundary_mesh(&mesh).0);
+        assert!(report.boundary.count == 0, "{name}: {report:?}");
         assert_relative_eq!(report.signed_volume, q.total_volume, max_relative = 1e-10);
     }
 }
@@ -119,7 +119,7 @@ fn real_surface_files_are_solids() {
     for (name, vertices, triangles) in files {
         let Some(path) = data(name) else { continue };
         let (mesh, notices) = io::read_tri_mesh(&path).expect(name);
-        let report = topology::watertight(&mesh);
+        let report = topology::check_edges(&mesh);
         eprintln!("{name}: {} components, {notices:?}", report.components);
         assert!(report.is_solid(), "{name}: {report:?}");
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (vertices, triangles), "{name}");

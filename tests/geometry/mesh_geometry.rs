@@ -29,7 +29,7 @@ fn a_grid_fills_its_box_with_positive_tetrahedra_and_a_closed_surface() {
         assert!(clean::repair(&mut mesh).expect("sound").is_empty(), "a grid needs no repair");
         // A mismatch of face diagonals between cells would leave interior faces on the boundary.
         assert_eq!(surface::boundary(&mesh).len(), 4 * (nx * ny + ny * nz + nz * nx));
-        let report = topology::watertight(&surface::boundary_mesh(&mesh).0);
+        let report = topology::check_edges(&surface::boundary_mesh(&mesh).0);
         assert!(report.is_solid() && report.components == 1, "{report:?}");
         assert_relative_eq!(report.signed_volume, 6.0, max_relative = 1e-13);
     }
@@ -101,7 +101,7 @@ fn boundary_faces_of_one_tetrahedron_look_outwards() {
 #[test]
 fn quadratic_nodes_are_the_edge_middles_in_the_order_of_vtk() {
     let mesh = cells(2, 2, 2);
-    let (ten, edges) = (quadratic::promote(&mesh), quadratic::midpoint_edges(&mesh));
+    let (ten, edges) = (quadratic::to_quadratic(&mesh), quadratic::midpoint_edges(&mesh));
     assert_eq!(ten.nodes.len(), 5_usize.pow(3), "27 grid points and all points half way");
     assert_eq!(ten.nodes.len(), mesh.nodes.len() + edges.len());
     assert_eq!(ten.nodes[..mesh.nodes.len()], mesh.nodes);
@@ -139,31 +139,33 @@ fn holes_fins_and_inside_out_surfaces_are_reported() {
     let solid = surface::boundary_mesh(&cells(1, 1, 1)).0;
     let mut open = solid.clone();
     open.triangles.pop();
-    let report = topology::watertight(&open);
-    assert!(!report.is_solid() && report.open.count == 3 && report.open.first.is_some());
+    let report = topology::check_edges(&open);
+    assert!(!report.is_solid() && report.boundary.count == 3 && report.boundary.first.is_some());
     let message = Shape::from_mesh(open).expect_err("open").to_string();
     assert!(message.contains("the surface is open: 3 edges with one triangle only, the first from ("), "{message}");
 
     let mut fin = solid.clone();
     fin.triangles.push(solid.triangles[0]);
-    assert_eq!(topology::watertight(&fin).crowded.count, 3);
+    assert_eq!(topology::check_edges(&fin).non_manifold.count, 3);
 
     let mut one_turned = solid.clone();
     one_turned.triangles[0].swap(0, 1);
-    assert!(topology::watertight(&one_turned).complaint().is_some_and(|c| c.contains("not oriented consistently")));
+    assert!(
+        topology::check_edges(&one_turned).defect_message().is_some_and(|c| c.contains("not oriented consistently"))
+    );
 
     let mut inside_out = solid.clone();
     inside_out.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-    assert!(topology::watertight(&inside_out).complaint().is_some_and(|c| c.contains("inside out")));
+    assert!(topology::check_edges(&inside_out).defect_message().is_some_and(|c| c.contains("inside out")));
     assert_eq!(shells::orient(&mut inside_out), Oriented { outward: 1, inward: 0 });
-    assert!(topology::watertight(&inside_out).is_solid());
+    assert!(topology::check_edges(&inside_out).is_solid());
     assert!(!shells::orient(&mut inside_out).any());
 
     let mut two = solid.clone();
     two.vertices.extend(solid.vertices.iter().map(|p| *p + 9.0 * DVec3::X));
     two.triangles.extend(solid.triangles.iter().map(|t| t.map(|i| i + solid.vertices.len() as u32)));
-    assert_eq!(topology::watertight(&two).components, 2);
-    assert!(topology::watertight(&TriMesh::default()).complaint().is_some());
+    assert_eq!(topology::check_edges(&two).components, 2);
+    assert!(topology::check_edges(&TriMesh::default()).defect_message().is_some());
 }
 
 proptest! {

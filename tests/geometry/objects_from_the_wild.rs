@@ -11,10 +11,10 @@ use approx::assert_relative_eq;
 use glam::DVec3;
 use tactus::backend::choose;
 use tactus::base::error::Result;
-use tactus::geometry::mesh::{TriMesh, close};
+use tactus::geometry::mesh::{TriMesh, weld};
 use tactus::geometry::shape::ShapeKind;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Status;
 use tactus::scene::load;
 use tactus::world::environment::Environment;
@@ -235,7 +235,7 @@ fn squeeze(mesh: &Path, more: &str) -> (Status, String) {
     std::fs::write(&path, text).unwrap();
     let scene = load(&path).unwrap().scene;
     let model = Model::build(&scene).unwrap();
-    let poses = poses_of(&scene).unwrap();
+    let poses = grasp_poses(&scene).unwrap();
     let outcome = run_grasps(&model, choose(&scene).unwrap().as_ref(), &[(0, poses[0])], 1, &()).unwrap();
     let summary = &outcome[0].summary;
     (summary.status, summary.reason.clone().unwrap_or_default())
@@ -303,7 +303,7 @@ fn a_facet_far_away_changes_nothing_and_is_refused() {
             .collect(),
         triangles: (0..ball.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
     };
-    let tolerance = close::tolerance(&soup);
+    let tolerance = weld::tolerance(&soup);
     assert!((0.5..2.0).contains(&(tolerance / 0.05e-6)), "1e-6 of 40 mm and the rounding, not {tolerance:e} m");
     let text = |mesh: &TriMesh| obj(&[(mesh.vertices.clone(), mesh.triangles.clone())]);
     let (whole, _) = volume("ball.obj", text(&soup), "");
@@ -313,7 +313,7 @@ fn a_facet_far_away_changes_nothing_and_is_refused() {
         let n = stray.vertices.len() as u32;
         stray.vertices.extend([DVec3::ZERO, 1e-6 * DVec3::Y, 1e-6 * DVec3::Z].map(|p| p + away * DVec3::X));
         stray.triangles.push([n, n + 1, n + 2]);
-        assert_relative_eq!(close::tolerance(&stray), tolerance, max_relative = 0.1);
+        assert_relative_eq!(weld::tolerance(&stray), tolerance, max_relative = 0.1);
         refused("stray.obj", text(&stray), "", &[says]);
         refused("stray.obj", text(&stray), "repair: true", &[says]);
     }
@@ -575,7 +575,7 @@ fn real_objects_load_and_close_or_say_what_to_do() {
         };
         let litres = model.object.mass.volume * 1e3;
         assert!((1e-4..2.0).contains(&litres), "{name}: {litres} l");
-        let pose = match poses_of(&scene) {
+        let pose = match grasp_poses(&scene) {
             Ok(poses) => poses[0],
             Err(error) => {
                 eprintln!("{name}: {error}");

@@ -15,7 +15,7 @@ use tactus::geometry::pad::{self, GelProfile, PadMesh, Resolution, dome};
 fn sound(pad: &PadMesh, thickness: f64) -> (f64, f64) {
     let mut mesh = pad.mesh.clone();
     assert!(clean::repair(&mut mesh).expect("sound").is_empty(), "a generated pad needs no repair");
-    assert!(topology::watertight(&surface::boundary_mesh(&mesh).0).is_solid());
+    assert!(topology::check_edges(&surface::boundary_mesh(&mesh).0).is_solid());
     let top = mesh.nodes.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     assert_eq!(top, 0.0, "the apex is at z = 0");
     for (p, bonded) in mesh.nodes.iter().zip(&pad.bonded) {
@@ -197,7 +197,7 @@ fn the_dome_follows_the_cad_everywhere_but_at_the_corners() {
     assert_eq!(surface.len(), 5137);
     let (mut n, mut square, mut worst) = (0, 0.0, 0.0_f64);
     for [short, long, z] in surface {
-        let corner = short.abs() > 1e3 * dome::KNEE[1] && long.abs() > 1e3 * dome::KNEE[0];
+        let corner = short.abs() > 1e3 * dome::FILLET_START[1] && long.abs() > 1e3 * dome::FILLET_START[0];
         let gap = 1e3 * dome::depth(1e-3 * long, 1e-3 * short) + z;
         if corner {
             assert!(gap.abs() < 0.17, "corner, at ({long}, {short}) mm: {gap} mm");

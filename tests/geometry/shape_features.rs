@@ -23,7 +23,7 @@ fn check(shape: &Shape, spacing: f64) -> Vec<FeaturePoint> {
 
 #[test]
 fn samples_are_on_the_surface_and_distinct() {
-    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().named(name));
+    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().with_name(name));
     for shape in real.chain(families(32)) {
         let points = check(&shape, 1e-3);
         assert!(shape.features.sharp_edges.iter().all(|e| e.angle > 0.34), "{}", shape.name);
@@ -111,7 +111,7 @@ fn only_convex_creases_count() {
     // The foot, the rim's outside and the rim's inside; not the corner between wall and floor.
     assert_eq!(cup.features.sharp_edges.len(), 3 * 16);
     let mesh = Shape::from_mesh((*cup.surface).clone()).unwrap();
-    let floor = |e: &&tactus::geometry::shape::Ridge| (e.a.z + 0.027).abs() < 1e-9 && (e.b.z + 0.027).abs() < 1e-9;
+    let floor = |e: &&tactus::geometry::shape::ConvexEdge| (e.a.z + 0.027).abs() < 1e-9 && (e.b.z + 0.027).abs() < 1e-9;
     assert_eq!(mesh.features.sharp_edges.iter().filter(floor).count(), 0);
 }
 

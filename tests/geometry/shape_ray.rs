@@ -6,7 +6,7 @@ use tactus::geometry::shape::{Shape, generate};
 
 #[test]
 fn a_ray_ends_on_the_surface_from_outside() {
-    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().named(name));
+    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().with_name(name));
     for shape in real.chain(families(32)) {
         let mut random = Random(4);
         let (mut hits, center) = (0, 0.5 * (shape.aabb.min + shape.aabb.max));
@@ -31,7 +31,7 @@ fn a_ray_ends_on_the_surface_from_outside() {
 
 #[test]
 fn a_ray_to_an_inner_point_always_enters() {
-    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().named(name));
+    let real = real_meshes().into_iter().map(|(name, mesh)| Shape::from_mesh(mesh).unwrap().with_name(name));
     for shape in real.chain(families(32)) {
         let mut random = Random(6);
         for _ in 0..500 {

@@ -28,7 +28,7 @@ fn bracket() -> MeshDistance {
 /// Returns the energy of a point at `q` with a quadratic potential within [`FELT`] of the surface.
 fn energy(object: &MeshDistance, q: DVec3) -> f64 {
     let push = |d: f64| (FELT - d).max(0.0).powi(2);
-    object.touch(q, FELT, FELT).map_or(0.0, |touch| touch.sum(|c| push(c.distance)))
+    object.contact_points(q, FELT, FELT).map_or(0.0, |touch| touch.sum(|c| push(c.distance)))
 }
 
 #[test]

@@ -66,7 +66,7 @@ fn normals_and_curvature_are_derivatives_of_the_distance() {
     }
     for name in ["lemon01", "lemon02", "strawberry01", "cucumber1"] {
         let Some(path) = data(&format!("objects/dgn/{name}/{name}_processed.stl")) else { continue };
-        let shape = Shape::from_mesh(read_tri_mesh(&path).unwrap().0).unwrap().named(name);
+        let shape = Shape::from_mesh(read_tri_mesh(&path).unwrap().0).unwrap().with_name(name);
         check_derivatives(&shape.smoothed(None, 6e-4).unwrap(), 1.2e-3);
     }
 }

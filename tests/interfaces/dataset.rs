@@ -9,7 +9,7 @@ use tactus::dataset::arrays::{ARRAYS, NumberKind};
 use tactus::dataset::inspect::frame;
 use tactus::dataset::{DataSet, Manifest, ObjectFile};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Frame;
 use tactus::scene::load;
 use tactus::world::run::{Observer, run_grasps};
@@ -41,7 +41,7 @@ fn what_is_read_is_what_was_simulated_and_the_scene_rebuilds_the_model() {
         assert_eq!(*model.fingers[0].topology, object.pads[0], "the same pad to the bit");
         assert_eq!(*model.object.surface, object.object);
         let frames = Frames::default();
-        let grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let grasps: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
         run_grasps(&model, choose(&scene).unwrap().as_ref(), &grasps, 1, &frames).unwrap();
         for (number, original) in frames.0.into_inner().unwrap() {
             let grasp = object.grasp(number).unwrap();
@@ -123,7 +123,7 @@ fn promises_of_the_scene_are_judged_on_every_grasp_and_the_worst_is_kept() {
     let out = linear().folder();
     let manifest = Manifest::read(&out).unwrap().unwrap();
     for (object, grasps) in manifest.objects.iter().zip([vec![0, 1, 2], vec![0, 2]]) {
-        let [inversion, travel] = object.promises.as_slice() else { panic!("{:?}", object.promises) };
+        let [inversion, travel] = object.expectations.as_slice() else { panic!("{:?}", object.expectations) };
         assert!(inversion.worst.held && inversion.broken_by.is_empty(), "{inversion:?}");
         // The grasp that misses has no frames, so it violates no other expectation.
         assert_eq!(travel.broken_by, grasps);

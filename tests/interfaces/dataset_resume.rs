@@ -48,7 +48,7 @@ fn killed_at_any_moment_it_goes_on_and_ends_with_the_same_bytes() {
             let before = records(&out);
             kept += before.len();
             let mut child = tiny.command(&out).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-            std::thread::sleep(Duration::from_secs_f64(whole_run.as_secs_f64() * 0.6 * random.unit()));
+            std::thread::sleep(Duration::from_secs_f64(whole_run.as_secs_f64() * 0.6 * random.uniform()));
             // SIGKILL, so the process cannot clean up.
             let ended = child.try_wait().unwrap().is_some();
             child.kill().unwrap();

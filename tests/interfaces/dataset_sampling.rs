@@ -4,7 +4,7 @@
 use tactus::backend::choose;
 use tactus::dataset::{Campaign, DataSet, Selection};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::names;
 use tactus::scene::load_set;
 
@@ -54,14 +54,14 @@ fn results_of_a_finer_mesh_stand_at_the_nodes_of_the_pads_with_the_same_forces()
 fn a_selection_keeps_the_grasps_with_the_largest_scores() {
     let dir = tempfile::tempdir().unwrap();
     let set = load_set(scene(dir.path(), "")).unwrap();
-    let poses = poses_of(&set.scenes[0].scene).unwrap();
+    let poses = grasp_poses(&set.scenes[0].scene).unwrap();
     let wanted = poses[1];
     let score = move |_: &tactus::scene::Scene, poses: &[tactus::geometry::Pose]| {
         Ok(poses.iter().map(|pose| f64::from(u8::from(*pose == wanted))).collect())
     };
     let selection = Selection { keep: Some(1), score: &score };
     let out = dir.path().join("some");
-    Campaign::plan_some(&set, &out, choose, Some(&selection)).unwrap().run(2, &()).unwrap();
+    Campaign::plan_selected(&set, &out, choose, Some(&selection)).unwrap().run(2, &()).unwrap();
     let made = DataSet::open(&out).unwrap();
     let row = &made.objects[0].grasp(0).unwrap().grasp_pose;
     assert_eq!(made.objects[0].sizes.grasps, 1);

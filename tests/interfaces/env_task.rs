@@ -31,13 +31,13 @@ fn mistakes_in_a_task_are_reported_in_place() {
 
 #[test]
 fn rewards_pay_what_they_say() {
-    let info = StepInfo { held: true, slip: 2e-3, force: 5.0, most: 10.0, stress: 3e4, ..StepInfo::default() };
+    let info = StepInfo { held: true, slip: 2e-3, force: 5.0, max_force: 10.0, stress: 3e4, ..StepInfo::default() };
     let hold = HoldReward::default();
-    assert_eq!((hold.pay(&info), hold.pay(&StepInfo { held: false, ..info })), (1.0, -10.0));
-    assert_eq!(SlipReward::default().pay(&info), -2.0, "per mm");
-    assert_eq!(EconomyReward::default().pay(&info), -0.5);
+    assert_eq!((hold.reward(&info), hold.reward(&StepInfo { held: false, ..info })), (1.0, -10.0));
+    assert_eq!(SlipReward::default().reward(&info), -2.0, "per mm");
+    assert_eq!(EconomyReward::default().reward(&info), -0.5);
     let stress: Reward = tactus::scene::dialect::options().from_str("Stress(limit: 2e4)").unwrap();
-    assert!((term(&stress).pay(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
+    assert!((term(&stress).reward(&info) + 0.5).abs() < 1e-12, "half as much again as the limit");
     assert!(term(&stress).needs_stress() && !hold.needs_stress());
 }
 

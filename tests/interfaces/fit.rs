@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use tactus::backend::choose;
 use tactus::bench::fit::{Curve, Fit, FitReport, Parameter, Ranges, fit};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::scene::{Scene, from_ron};
 use tactus::world::run::run_grasps;
 
@@ -46,7 +46,7 @@ fn scene(made: Made) -> Scene {
 fn curve(made: Made) -> Curve {
     let scene = scene(made);
     let model = Model::build(&scene).expect("model");
-    let grasps = [(0, poses_of(&scene).expect("poses")[0])];
+    let grasps = [(0, grasp_poses(&scene).expect("poses")[0])];
     let outcomes = run_grasps(&model, choose(&scene).expect("stepper").as_ref(), &grasps, 1, &()).expect("run");
     let forces = outcomes[0].measured.curve.iter().map(|(_, force)| *force);
     Curve { points: DEPTHS.into_iter().zip(forces).collect() }
@@ -103,12 +103,12 @@ fn the_constant_that_differs_is_named() {
     let report = fitted(Made { young: 3.4e5, ..START });
     let young = of(&report, &[Parameter::Young]);
     assert_eq!(report.explains, Some(Parameter::Young));
-    assert!(report.explained(young) > 0.999 && young.largest() < 1e-3);
+    assert!(report.explained_fraction(young) > 0.999 && young.largest() < 1e-3);
     near(young, Parameter::Young, 3.4e5, 340.0);
     let report = fitted(Made { zero: -25e-6, ..START });
     let zero = of(&report, &[Parameter::DepthZero]);
     assert_eq!(report.explains, Some(Parameter::DepthZero));
-    assert!(report.explained(zero) > 0.999 && zero.largest() < 2e-3);
+    assert!(report.explained_fraction(zero) > 0.999 && zero.largest() < 2e-3);
     near(zero, Parameter::DepthZero, -25e-6, 0.5e-6);
 }
 

@@ -205,7 +205,7 @@ fn a_card_with_impossible_numbers_is_refused_with_the_field() {
 fn two_commands_never_fill_one_folder() {
     let made = made();
     let out = made.tiny.out("held");
-    let lock = FolderLock::alone(&out, "tactus train").unwrap();
+    let lock = FolderLock::exclusive(&out, "tactus train").unwrap();
     let scene = made.tiny.out("held.ron");
     std::fs::write(&scene, ball_scene("8e-3", "").replace("frames: 3", "frames: 1")).unwrap();
     let run = || {
@@ -230,7 +230,7 @@ fn two_commands_never_fill_one_folder() {
         for _ in 0..4 {
             scope.spawn(|| {
                 for _ in 0..200 {
-                    if let Ok(_lock) = FolderLock::alone(dir.path(), "test") {
+                    if let Ok(_lock) = FolderLock::exclusive(dir.path(), "test") {
                         assert_eq!(holders.fetch_add(1, std::sync::atomic::Ordering::SeqCst), 0, "two hold one folder");
                         holders.fetch_sub(1, std::sync::atomic::Ordering::SeqCst);
                     }
@@ -246,7 +246,7 @@ fn two_commands_never_fill_one_folder() {
 fn a_file_holds_a_folder_without_locks() {
     let dir = tempfile::tempdir().unwrap();
     let base = dir.path().join(".lock");
-    let take = |alone: bool| LockFile::take(&base, "tactus run", alone);
+    let take = |alone: bool| LockFile::acquire(&base, "tactus run", alone);
     let own = take(true).unwrap();
     let name = own.path().file_name().unwrap().to_str().unwrap().to_string();
     let number = format!(".{}", std::process::id());
@@ -462,20 +462,20 @@ fn told(dir: &Path) -> Option<Told> {
 /// and the new content.
 fn mutate(bytes: &[u8], other: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let mut changed = bytes.to_vec();
-    let at = random.below(bytes.len());
-    let what = match random.below(8) {
+    let at = random.uniform_below(bytes.len());
+    let what = match random.uniform_below(8) {
         0..3 => {
-            let bit = random.below(8);
+            let bit = random.uniform_below(8);
             changed[at] ^= 1 << bit;
             format!("bit {bit} of byte {at} turned")
         }
         3 => {
-            let value = random.below(256) as u8;
+            let value = random.uniform_below(256) as u8;
             changed[at] = value;
             format!("byte {at} set to {value}")
         }
         4..6 => {
-            let end = (at + 1 + random.below(4096)).min(bytes.len());
+            let end = (at + 1 + random.uniform_below(4096)).min(bytes.len());
             changed[at..end].fill(0);
             format!("bytes {at} to {end} zero")
         }
@@ -534,7 +534,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let (mut refused, mut same) = (0, 0);
     for k in 0..count {
         let (path, kind) = match k % 12 {
-            0..5 => (data_files[random.below(data_files.len())].clone(), "data"),
+            0..5 => (data_files[random.uniform_below(data_files.len())].clone(), "data"),
             5..7 => (model.join("card.ron"), "model"),
             7..9 => (model.join("weights.safetensors"), "model"),
             9 => (begun.join("checkpoint.bin"), "checkpoint"),

@@ -4,7 +4,7 @@ use crate::keep::Keep;
 use crate::synthetic::{frame, pad, pads, sphere};
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::render::{HEIGHT, Pixmap, Scalar, Style, WIDTH, colormap, encode, render_pads, save};
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
@@ -80,7 +80,7 @@ fn pressed_ball() -> Pixmap {
     )
     .expect("scene");
     let (model, last) = (Model::build(&scene).expect("model"), Keep::default());
-    let grasps = [(0, poses_of(&scene).expect("poses")[0])];
+    let grasps = [(0, grasp_poses(&scene).expect("poses")[0])];
     run_grasps(&model, choose(&scene).expect("stepper").as_ref(), &grasps, 1, &last).expect("run");
     let frame = last.last();
     let pads = vec![model.fingers[0].topology.as_ref().clone()];

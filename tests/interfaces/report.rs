@@ -162,7 +162,7 @@ fn the_surface_of_a_pad_that_is_shown_has_no_gap() {
     let set = set(made());
     let pad = &set.objects[0].pads[0];
     let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
-    for t in pad.sensing.iter().chain(&pad.outside()) {
+    for t in pad.sensing.iter().chain(&pad.outer_triangles()) {
         for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
             *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
         }

@@ -27,8 +27,8 @@ fn area([rows, cols]: [usize; 2]) -> f64 {
 }
 
 /// Forces of the taxels, for every backend, and pressure and shear, which are contact force per area, for any size of
-/// the taxels: their sums and integrals equal the force of the wrench (1 N) to 1e-5 N. Taxels carry the applied force to
-/// 1e-3 of it.
+/// the taxels: their sums and integrals equal the force of the wrench (1 N) to 1e-5 N. Taxels carry the applied force
+/// to 1e-3 of it.
 #[test]
 fn images_of_the_contact_force_sum_to_the_wrench() {
     let images = |[rows, cols]: [usize; 2]| {
@@ -336,7 +336,7 @@ fn nothing_is_computed_that_the_scene_does_not_ask_for() {
             "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 8e-3)), loading: Squeeze(force: 2.0),
               record: (fields: [], {record}))"
         );
-        Needs::of(&tactus::scene::from_ron(&scene).unwrap())
+        Needs::from_scene(&tactus::scene::from_ron(&scene).unwrap())
     };
     let none = needs("");
     assert!(!none.tactile && !none.slip && !none.contact_area && !none.contact_force);

@@ -8,7 +8,7 @@ use tactus::mech::body::Body;
 use tactus::mech::body::cholesky::Factor;
 use tactus::mech::body::pattern::FIXED;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, Status};
 use tactus::scene::{Scene, load};
 use tactus::world::components::Position;
@@ -38,7 +38,7 @@ fn squeeze(force: f64, frames: usize, more: &str) -> Scene {
 
 fn run(scene: &Scene, threads: usize) -> (Outcome, Vec<Frame>) {
     let (model, stepper) = (Model::build(scene).unwrap(), choose(scene).unwrap());
-    let poses: Vec<_> = poses_of(scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let outcome = run_grasps(&model, stepper.as_ref(), &poses, threads, &keep).unwrap().remove(0);
     (outcome, keep.0.into_inner().unwrap())
@@ -170,7 +170,7 @@ fn an_object_that_is_squeezed_out_is_dropped_and_positions_stay_finite() {
     );
     let scene = read(&text).unwrap_or_else(|e| panic!("{e}"));
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-    let mut environment = Environment::new(&model, stepper.as_ref(), poses_of(&scene).unwrap()[0]).unwrap();
+    let mut environment = Environment::new(&model, stepper.as_ref(), grasp_poses(&scene).unwrap()[0]).unwrap();
     while !environment.phase().is_final() {
         environment.step();
     }

@@ -5,7 +5,7 @@ use crate::common::{Random, elements};
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tactus::geometry::mesh::{TetMesh, grid};
-use tactus::geometry::shape::{Ridge, RidgeSection};
+use tactus::geometry::shape::{ConvexEdge, EdgeSection};
 use tactus::mech::body::Body;
 use tactus::mech::contact::face_bounds::FaceBounds;
 use tactus::mech::contact::law::ContactLaw;
@@ -125,8 +125,8 @@ fn a_feature_moves_along_its_edge_to_where_a_ridge_of_the_pad_crosses_it() {
         // The ridge is at a height of 2.2.
         let height = 2.2 - 5.0 * offset;
         let (a, b) = (DVec3::new(0.9, 1.5, height), DVec3::new(1.8, 1.6, height));
-        let ridge = Ridge { a, b, normal: -DVec3::Z, angle: 0.2, round: false };
-        let stretch = RidgeSection { ridge, from: 0.0, to: 1.0 };
+        let ridge = ConvexEdge { a, b, normal: -DVec3::Z, angle: 0.2, round: false };
+        let stretch = EdgeSection { edge: ridge, from: 0.0, to: 1.0 };
         let law = ContactLaw { stiffness: 1.0, offset, friction: 0.0, tangential: 1.0 };
         let surface = Arc::new(ContactSurface::new(&body));
         let mut term = VertexContact::new(law, surface, Arc::from([ContactVertex::on_segment(stretch)]));

@@ -4,8 +4,8 @@ use crate::keep::Keep;
 use glam::{DQuat, DVec3};
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
-use tactus::record::{Frame, Moving, Status};
+use tactus::model::grasp::grasp_poses;
+use tactus::record::{DynamicState, Frame, Status};
 use tactus::scene::{Scene, load};
 use tactus::world::environment::Environment;
 use tactus::world::run::{Outcome, run_grasps};
@@ -21,14 +21,14 @@ fn scene(text: &str) -> Scene {
 fn run(text: &str) -> (Outcome, Vec<Frame>) {
     let scene = scene(text);
     let model = Model::build(&scene).unwrap();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let outcome = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &keep).unwrap().remove(0);
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}\n{text}", outcome.summary.reason);
     (outcome, keep.0.into_inner().unwrap())
 }
 
-fn moving(frame: &Frame) -> Moving {
+fn moving(frame: &Frame) -> DynamicState {
     frame.moving.expect("a dynamic scene")
 }
 
@@ -212,7 +212,7 @@ fn a_scene_without_motion_in_time_pays_nothing_for_it() {
     let parts = |text: &str| {
         let scene = scene(text);
         let model = Model::build(&scene).unwrap();
-        let pose = poses_of(&scene).unwrap()[0];
+        let pose = grasp_poses(&scene).unwrap()[0];
         let environment = Environment::new(&model, choose(&scene).unwrap().as_ref(), pose).unwrap();
         let systems: Vec<String> = environment.systems().into_iter().flat_map(|(_, names)| names).collect();
         (environment.components(), systems, model.unknowns())

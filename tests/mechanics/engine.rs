@@ -5,7 +5,7 @@ use tactus::backend::choose;
 use tactus::base::error::Result;
 use tactus::geometry::Pose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, Status};
 use tactus::scene::{Scene, load};
 use tactus::world::Stepper;
@@ -39,7 +39,7 @@ fn read(text: &str) -> Scene {
 type Prepared = (Arc<Model>, Box<dyn Stepper>, Vec<(usize, Pose)>);
 
 fn prepare(scene: &Scene) -> Prepared {
-    let poses = poses_of(scene).unwrap().into_iter().enumerate().collect();
+    let poses = grasp_poses(scene).unwrap().into_iter().enumerate().collect();
     (Model::build(scene).unwrap(), choose(scene).unwrap(), poses)
 }
 

@@ -5,7 +5,7 @@ use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, Status};
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
@@ -17,7 +17,7 @@ fn last(text: &str) -> (Frame, u64) {
     std::fs::write(&path, text).unwrap();
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     let model = Model::build(&scene).unwrap();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &keep).unwrap();
     let summary = &outcomes[0].summary;

@@ -4,7 +4,7 @@ use crate::keep::Keep;
 use std::sync::LazyLock;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, GraspSummary, Status};
 use tactus::scene::from_ron;
 use tactus::world::run::run_grasps;
@@ -19,7 +19,7 @@ fn pushed(spacing: f64, push: &str, solver: &str) -> (Vec<Frame>, GraspSummary) 
     );
     let scene = from_ron(&text).unwrap();
     let model = Model::build(&scene).unwrap();
-    let grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let grasps: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let frames = Keep::default();
     let mut ends = run_grasps(&model, choose(&scene).unwrap().as_ref(), &grasps, 2, &frames).unwrap();
     (frames.0.into_inner().unwrap(), ends.remove(0).summary)

@@ -320,7 +320,7 @@ fn cantilever_of_quadratic_tetrahedra_bends_as_in_calculix() {
     let lines = |n: usize, length: f64| (0..=n).map(|i| length * i as f64 / n as f64).collect::<Vec<_>>();
     let (across, along) = (lines(3, 4.0), lines(18, 24.0));
     let mesh = grid::structured([&across, &across, &along]).expect("grid");
-    let nodes = quadratic::promote(&mesh).nodes;
+    let nodes = quadratic::to_quadratic(&mesh).nodes;
     for mean in [false, true] {
         let bent = cantilever(&mesh, true, mean, neo_hookean(), &[1.0, 2.0, 5.0]);
         for (u, load) in bent.iter().zip(["1.0", "2.0", "5.0"]) {

@@ -7,7 +7,7 @@ use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, Status};
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
@@ -51,7 +51,7 @@ fn squeeze(object: &str, motion: &str, friction: f64, fem: &str, scale: f64) -> 
     std::fs::write(&path, scaled(&text, scale)).expect("written");
     let scene = load(&path).expect("a scene").scene;
     let model = Model::build(&scene).expect("a model");
-    let grasps: Vec<_> = poses_of(&scene).expect("poses").into_iter().enumerate().collect();
+    let grasps: Vec<_> = grasp_poses(&scene).expect("poses").into_iter().enumerate().collect();
     let (frames, stepper) = (Keep::default(), choose(&scene).expect("a backend"));
     let outcomes = run_grasps(&model, stepper.as_ref(), &grasps, 1, &frames).expect("a run");
     assert_eq!(outcomes[0].summary.status, Status::Reached, "{object}, {scale}: {:?}", outcomes[0].summary.reason);

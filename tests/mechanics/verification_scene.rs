@@ -10,7 +10,7 @@ use tactus::geometry::mesh::TriMesh;
 use tactus::geometry::mesh::io::write_obj;
 use tactus::geometry::shape::ShapeKind;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, Status};
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
@@ -27,7 +27,7 @@ fn outcome(path: &Path, text: &str) -> (Status, String, Vec<Frame>) {
     std::fs::write(path, text).unwrap();
     let scene = load(path).unwrap_or_else(|e| panic!("{e}")).scene;
     let model = Model::build(&scene).unwrap();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &keep).unwrap();
     let summary = &outcomes[0].summary;

@@ -18,7 +18,7 @@ use tactus::net::network::layers::force_fractions;
 use tactus::net::train::loss::bounded_relative_error;
 
 fn numbers(random: &mut Random, n: usize) -> Vec<f32> {
-    (0..n).map(|_| (2.0 * random.unit() - 1.0) as f32).collect()
+    (0..n).map(|_| (2.0 * random.uniform() - 1.0) as f32).collect()
 }
 
 fn constants<E: Real>(random: &mut Random, n: usize) -> Vec<E> {
@@ -45,7 +45,7 @@ fn compare<E: Real>(
     // With a random target every output contributes to the loss.
     let (rows, cols) = *pass(&parameters).shape();
     let target = numbers(&mut random, rows * cols);
-    let weight: Vec<f32> = (0..rows).map(|_| 0.5 + random.unit() as f32).collect();
+    let weight: Vec<f32> = (0..rows).map(|_| 0.5 + random.uniform() as f32).collect();
     let loss = |p: &[Matrix<E>]| bounded_relative_error(pass(p), target.clone(), weight.clone(), rows);
     let gradients = gradients(loss(&parameters), &parameters);
     for k in 0..parameters.len() {
@@ -111,7 +111,7 @@ fn balances() {
     let mut random = Random::new(9);
     let mut balance = |force: f64| {
         let mut pad = |x: f64, rotation: DMat3| {
-            let mut unit = || random.unit();
+            let mut unit = || random.uniform();
             let mut node = || {
                 let at = DVec3::new(unit() - 0.5, unit() - 0.5, 0.0);
                 (rotation * at + DVec3::X * x, unit())

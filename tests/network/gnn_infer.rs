@@ -141,7 +141,7 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
                  loading: Squeeze(force: 15.0, frames: 50), stepper: Fem(solver: Condensed()))";
     let scene = from_ron(text).unwrap();
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-    let poses: Vec<_> = tactus::model::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = tactus::model::grasp::grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let frames = Keep::default();
     run_grasps(&model, stepper.as_ref(), &poses, 2, &frames).unwrap();
     let truth = frames.0.into_inner().unwrap();

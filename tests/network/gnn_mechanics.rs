@@ -6,7 +6,7 @@ use tactus::base::random::Random;
 use tactus::geometry::Pose;
 use tactus::geometry::Wrench;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::model::part::FingerModel;
 use tactus::net::features::GraspFeatures;
 use tactus::net::linear_response::GraspLoad;
@@ -124,7 +124,7 @@ fn friction_within_a_small_contact_resists_spinning() {
         loading: Squeeze(force: 3.0, frames: 1),
     )"#;
     let scene = from_ron(scene).unwrap();
-    let (model, poses) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap());
+    let (model, poses) = (Model::build(&scene).unwrap(), grasp_poses(&scene).unwrap());
     let graph = Arc::new(graph(&model));
     for (grasp, turned) in [(1, [-0.159, -0.432, -2.902]), (9, [0.190, -0.278, 4.976]), (10, [-0.229, -0.261, 2.914])] {
         let features = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, poses[grasp]).unwrap());
@@ -150,7 +150,7 @@ fn friction_takes_up_what_pressure_leaves_over() {
         let face = features.graph.face.len();
         for (level, balance) in loads.balance.iter().enumerate() {
             let mut random = Random::new(1);
-            let mut contact: Vec<f64> = (0..6 * face).map(|_| random.unit() / face as f64).collect();
+            let mut contact: Vec<f64> = (0..6 * face).map(|_| random.uniform() / face as f64).collect();
             for pad in contact.chunks_exact_mut(3 * face) {
                 let whole: f64 = pad.iter().step_by(3).sum();
                 pad.iter_mut().step_by(3).for_each(|c| *c /= whole);

@@ -4,7 +4,7 @@ use crate::keep::Keep;
 use glam::DVec3;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::record::{Frame, Status};
 use tactus::scene::from_ron;
@@ -20,7 +20,7 @@ fn frames(density: f64, gravity: &str, stepper: &str) -> (Vec<Frame>, DVec3) {
     ))
     .unwrap();
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let keep = Keep::default();
     let end = run_grasps(&model, stepper.as_ref(), &poses, 2, &keep).unwrap().remove(0).summary;
     assert_eq!((end.status, end.frames), (Status::Reached, 3), "{:?}", end.reason);

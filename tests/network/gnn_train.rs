@@ -52,7 +52,7 @@ impl Case {
         let (network, mut parameters) = build::<E>(&self.spec.network, Some(5));
         let mut random = Random::new(12);
         for m in &mut parameters.matrices {
-            let moved = values(m).into_iter().map(|x| x + E::of((0.1 * (random.unit() - 0.5)) as f32));
+            let moved = values(m).into_iter().map(|x| x + E::of((0.1 * (random.uniform() - 0.5)) as f32));
             m.copy_from(&moved.collect::<Vec<E>>());
         }
         (network, parameters)
@@ -89,7 +89,7 @@ fn the_gradient_of_a_whole_network_is_that_of_its_loss() {
         let case = Case::new(spec);
         let gradient = case.gradient::<f64>();
         let mut random = Random::new(11);
-        let direction: Vec<f64> = gradient.iter().map(|_| 2.0 * random.unit() - 1.0).collect();
+        let direction: Vec<f64> = gradient.iter().map(|_| 2.0 * random.uniform() - 1.0).collect();
         let along: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
         // A small step to avoid the kinks of ReLU.
         let h = 1e-7;

@@ -122,7 +122,7 @@ fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
         );
         let scene = from_ron(&text).unwrap();
         let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-        let poses: Vec<_> = tactus::model::grasp::poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let poses: Vec<_> = tactus::model::grasp::grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
         let end = run_grasps(&model, stepper.as_ref(), &poses, 1, &()).unwrap().remove(0).summary;
         assert_eq!(end.status, Status::Dropped, "{:?}", end.reason);
         // The push relative to Coulomb's limit, 0.5 x 10 N.

@@ -8,10 +8,10 @@ use std::sync::{Arc, LazyLock};
 use tactus::backend::choose;
 use tactus::mech::element::TET10;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
-use tactus::model::judge::Findings;
-use tactus::model::judge::audit::elasticity::{elastic_gradient, nodal_volume};
-use tactus::model::judge::audit::solid::Solid;
+use tactus::model::evaluation::Findings;
+use tactus::model::evaluation::audit::elasticity::{elastic_gradient, nodal_volume};
+use tactus::model::evaluation::audit::solid::Solid;
+use tactus::model::grasp::grasp_poses;
 use tactus::model::part::object;
 use tactus::record::{ElementNodes, Frame};
 use tactus::scene::{Scene, load};
@@ -31,7 +31,7 @@ static SQUEEZED: LazyLock<(Arc<Model>, Frame)> = LazyLock::new(|| {
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
     let last = Keep::default();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let outcomes = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &last).unwrap();
     let frame = last.last();
     assert_eq!(outcomes[0].measured.findings, Some(judge(&model, &frame)), "what the run measured");
@@ -39,7 +39,7 @@ static SQUEEZED: LazyLock<(Arc<Model>, Frame)> = LazyLock::new(|| {
 });
 
 fn judge(model: &Model, frame: &Frame) -> Findings {
-    model.auditor.as_ref().expect("the scene asks for it").judge(&model.fingers, frame, DVec3::ZERO)
+    model.auditor.as_ref().expect("the scene asks for it").audit(&model.fingers, frame, DVec3::ZERO)
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn a_tip_between_the_points_of_the_pad_is_found() {
     let scene = scene(folder.path(), text);
     let model = Model::build(&scene).unwrap();
     let last = Keep::default();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &last).unwrap();
     let mut frame = last.last();
     assert!(judge(&model, &frame).penetration < 1e-5);

@@ -14,8 +14,8 @@ use std::path::Path;
 use tactus::backend::choose;
 use tactus::geometry::shape::Shape;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
-use tactus::model::judge::Findings;
+use tactus::model::evaluation::Findings;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Status;
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
@@ -171,10 +171,10 @@ fn random_squeezes_reach_their_force_or_say_why_not() {
         std::fs::write(&path, &text).unwrap();
         let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
         let model = Model::build(&scene).unwrap();
-        let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
         let outcome = run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &()).unwrap().remove(0);
         let (s, m) = (&outcome.summary, &outcome.measured);
-        let failed = scene.expect.iter().skip(1).map(|e| tactus::model::judge::evaluate(e, m)).filter(|h| !h.held);
+        let failed = scene.expect.iter().skip(1).map(|e| tactus::model::evaluation::evaluate(e, m)).filter(|h| !h.held);
         let failed: Vec<_> = if m.findings.is_some() { failed.map(|h| format!("{h:?}")).collect() } else { Vec::new() };
         broken += u64::from(!failed.is_empty());
         match s.status {

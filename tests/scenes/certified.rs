@@ -9,10 +9,10 @@ use tactus::backend::choose;
 use tactus::bench::certify::{Reference, References};
 use tactus::bench::density::coarser;
 use tactus::bench::values::{FrameValues, values};
-use tactus::model::grasp::poses_of;
-use tactus::model::judge::{Measured, evaluate};
+use tactus::model::evaluation::{GraspMeasurements, evaluate};
+use tactus::model::grasp::grasp_poses;
 use tactus::model::{Model, accuracy};
-use tactus::record::error_norm::{Distance, FieldInterpolation, Points};
+use tactus::record::error_norm::{FieldInterpolation, FrameDistance, Points};
 use tactus::record::{Frame, Status};
 use tactus::scene::leaf::Fraction;
 use tactus::scene::pad::GelSightMini;
@@ -24,10 +24,10 @@ fn root() -> PathBuf {
 }
 
 /// Model, and last frame and measurements of the first grasp.
-fn last(scene: &Scene) -> (Arc<Model>, Frame, Measured) {
+fn last(scene: &Scene) -> (Arc<Model>, Frame, GraspMeasurements) {
     let (model, stepper) = (Model::build(scene).unwrap(), choose(scene).unwrap());
     let keep = Keep::default();
-    let outcome = run_grasp(&model, stepper.as_ref(), 0, poses_of(scene).unwrap()[0], &keep).unwrap();
+    let outcome = run_grasp(&model, stepper.as_ref(), 0, grasp_poses(scene).unwrap()[0], &keep).unwrap();
     assert_eq!(outcome.summary.status, Status::Reached, "{:?}", outcome.summary.reason);
     (model, keep.last(), outcome.measured)
 }
@@ -86,7 +86,7 @@ fn row(name: &str) -> Reference {
 #[ignore = "thorough: certified meshes"]
 fn default_settings_meet_the_references() {
     let mut all = scenes(crate::promises::REFERENCES);
-    assert!(all.iter().all(|named| poses_of(&named.scene).unwrap().len() == 1 && !named.scene.expect.is_empty()));
+    assert!(all.iter().all(|named| grasp_poses(&named.scene).unwrap().len() == 1 && !named.scene.expect.is_empty()));
     if data("objects/dgn/lemon01").is_some() {
         all.extend(scenes("tests/scenes/scanned_lemon.ron"));
     }
@@ -151,7 +151,7 @@ fn against_twice_as_fine(scene: &Scene) -> (f64, usize) {
     let points = Points::of(&truth.fingers[0].topology);
     let fields =
         |model: &Model, frame: &Frame| FieldInterpolation::new(&points, &model.fingers[0].topology).fields(frame);
-    let error = Distance::of(&points, &fields(&own, &frame), &fields(&truth, &exact)).displacement;
+    let error = FrameDistance::of(&points, &fields(&own, &frame), &fields(&truth, &exact)).displacement;
     (error, own.fingers[0].body.rest.len())
 }
 

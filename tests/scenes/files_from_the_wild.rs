@@ -12,7 +12,7 @@ use tactus::geometry::Pose;
 use tactus::geometry::mesh::{TetMesh, io, quadratic, signed_volume};
 use tactus::geometry::pad::{Resolution, box_pad};
 use tactus::model::Model;
-use tactus::model::grasp::{poses_of, read_grasps_h5, write_grasps_h5};
+use tactus::model::grasp::{grasp_poses, read_grasps_h5, write_grasps_h5};
 use tactus::net::network::card::StoredModel;
 use tactus::scene::{Convention, HandAxis, QuaternionOrder, load};
 
@@ -205,7 +205,7 @@ fn linear() -> (Vec<DVec3>, Vec<Vec<u32>>) {
 
 /// The block with mid-edge nodes, in the order of gmsh: the last two nodes are swapped.
 fn with_middles() -> (Vec<DVec3>, Vec<Vec<u32>>) {
-    let ten = quadratic::promote(&block());
+    let ten = quadratic::to_quadratic(&block());
     let gmsh = |t: &[u32; 10]| {
         let mut t = t.to_vec();
         t.swap(8, 9);
@@ -401,7 +401,7 @@ fn curved_edges_are_told_and_a_foreign_order_of_nodes_is_refused() {
     let told = notices.join("\n");
     assert!(told.contains("are up to 1.00e-4 m") && told.contains("edges are treated as straight"), "{told}");
     // A gmsh file with the mid-edge nodes in the order of VTK.
-    let vtk: Vec<Vec<u32>> = quadratic::promote(&block()).tets.iter().map(|t| t.to_vec()).collect();
+    let vtk: Vec<Vec<u32>> = quadratic::to_quadratic(&block()).tets.iter().map(|t| t.to_vec()).collect();
     let error = read("a.msh", &gmsh("2.2", Form::Text, &sound, &vtk)).unwrap_err();
     assert!(error.contains("not in the order of gmsh") && error.contains("line "), "{error}");
 }
@@ -446,7 +446,7 @@ fn medit_files_of_mmg_hold_the_same_block() {
     for section in ["2 `Normals`", "1 `RequiredEdges`", "2 `NormalAtVertices`", "1 `TangentAtVertices`"] {
         assert!(told.contains(section), "{section} is not in {told}");
     }
-    let ten = quadratic::promote(&block());
+    let ten = quadratic::to_quadratic(&block());
     let mut second = format!("MeshVersionFormatted 2\nDimension 3\nVertices {}\n", ten.nodes.len());
     ten.nodes.iter().for_each(|p| second += &format!("{} {} {} 0\n", p.x, p.y, p.z));
     second += &format!("TetrahedraP2 {}\n", ten.tets.len());
@@ -681,7 +681,7 @@ fn grasps_of_other_conventions_are_the_same_grasps() {
             builder.create_dataset("poses").with_f64_data(&values).with_shape(&shape);
             builder.write(&path).unwrap();
             let loaded = load(scene(dir.path(), &format!("File(path: \"g.h5\", convention: {text})"))).unwrap();
-            alike(&poses_of(&loaded.scene).unwrap(), &wanted, 1e-12);
+            alike(&grasp_poses(&loaded.scene).unwrap(), &wanted, 1e-12);
             // The complete scene that `check` prints loads as the same scene.
             let again = tactus::scene::from_ron(&tactus::scene::to_ron(&loaded.scene).unwrap()).unwrap();
             assert_eq!(again, loaded.scene);
@@ -888,7 +888,7 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
     assert!(error.contains("allowed: float64, float32"), "{error}");
     std::fs::copy(dir.path().join("soft.h5"), dir.path().join("g.h5")).unwrap();
     let loaded = load(scene(dir.path(), "File(path: \"g.h5\", dataset: \"grasps/data\")")).unwrap();
-    alike(&poses_of(&loaded.scene).unwrap(), &expected, 1e-12);
+    alike(&grasp_poses(&loaded.scene).unwrap(), &expected, 1e-12);
     let error = read("claims.h5").unwrap_err();
     assert!(error.contains("declares 38000000 grasps; at most 1000000 are allowed"), "{error}");
     let error = read("chunk.h5").unwrap_err();
@@ -898,15 +898,15 @@ write('chunk.h5', lambda f: f.create_dataset('poses', shape=(10, 7), maxshape=(N
 /// Damages `bytes` once: flipped bits, truncation, repeated bytes, an inserted huge number, bytes set to 0xff, or
 /// deleted bytes.
 fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
-    let at = random.below(bytes.len());
-    match random.below(6) {
-        0 => (0..1 + random.below(8)).for_each(|_| {
-            let k = random.below(bytes.len());
-            bytes[k] ^= 1 << random.below(8);
+    let at = random.uniform_below(bytes.len());
+    match random.uniform_below(6) {
+        0 => (0..1 + random.uniform_below(8)).for_each(|_| {
+            let k = random.uniform_below(bytes.len());
+            bytes[k] ^= 1 << random.uniform_below(8);
         }),
         1 => bytes.truncate(at),
         2 => {
-            let end = (at + 1 + random.below(200)).min(bytes.len());
+            let end = (at + 1 + random.uniform_below(200)).min(bytes.len());
             let copy = bytes[at..end].to_vec();
             drop(bytes.splice(at..at, copy));
         }
@@ -919,7 +919,7 @@ fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
             bytes[at..end].fill(0xff);
         }
         _ => {
-            let end = (at + 1 + random.below(40)).min(bytes.len());
+            let end = (at + 1 + random.uniform_below(40)).min(bytes.len());
             bytes.drain(at..end);
         }
     }

@@ -26,7 +26,7 @@ const LARGE: [&str; 5] = ["paper.ron", "paper_small.ron", "data.ron", "second_se
 
 /// Draws one of `choices`.
 fn of<'a>(random: &mut Random, choices: &[&'a str]) -> &'a str {
-    choices[random.below(choices.len())]
+    choices[random.uniform_below(choices.len())]
 }
 
 /// Splits a text into words, numbers, strings and punctuation; white space and comments belong to the token before
@@ -69,8 +69,8 @@ fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
     if text.is_empty() || parts.is_empty() {
         return Vec::new();
     }
-    let at = random.below(parts.len());
-    match random.below(12) {
+    let at = random.uniform_below(parts.len());
+    match random.uniform_below(12) {
         0..=4 => {
             let numbers: Vec<usize> = (0..parts.len()).filter(|i| is_number(&parts[*i])).collect();
             let extremes = [
@@ -92,41 +92,41 @@ fn mutate(text: &str, random: &mut Random) -> Vec<u8> {
                 "170",
                 "18446744073709551616",
             ];
-            if let Some(number) = numbers.get(random.below(numbers.len())) {
+            if let Some(number) = numbers.get(random.uniform_below(numbers.len())) {
                 parts[*number] = of(random, &extremes).into();
             }
         }
         5 => drop(parts.remove(at)),
         6 => parts.insert(at, parts[at].clone()),
         7 => {
-            let other = random.below(parts.len());
+            let other = random.uniform_below(parts.len());
             parts.swap(at, other);
         }
         8 => {
             // Removes or duplicates a field.
             let fields: Vec<usize> = (1..parts.len()).filter(|i| parts[*i].trim() == ":").collect();
-            if let Some(colon) = fields.get(random.below(fields.len())) {
+            if let Some(colon) = fields.get(random.uniform_below(fields.len())) {
                 let end = (*colon..parts.len()).find(|i| parts[*i].trim() == ",").unwrap_or(parts.len() - 1);
                 let field: Vec<String> = parts.drain(colon - 1..=end).collect();
-                if random.below(2) == 0 {
+                if random.uniform_below(2) == 0 {
                     let twice: Vec<_> = field.iter().chain(&field).cloned().collect();
                     drop(parts.splice(colon - 1..colon - 1, twice));
                 }
             }
         }
         9 => {
-            let (open, close) = [("[", "]"), ("(", ")"), ("Some(", ")"), ("[[[[", "]]]]")][random.below(4)];
+            let (open, close) = [("[", "]"), ("(", ")"), ("Some(", ")"), ("[[[[", "]]]]")][random.uniform_below(4)];
             parts[at] = format!("{open}{}{close}", parts[at]);
         }
         10 => {
             let whole = parts.concat().into_bytes();
-            return whole[..random.below(whole.len())].to_vec();
+            return whole[..random.uniform_below(whole.len())].to_vec();
         }
         _ => {
             let mut whole = parts.concat().into_bytes();
-            for _ in 0..=random.below(4) {
-                let place = random.below(whole.len());
-                whole[place] = random.below(256) as u8;
+            for _ in 0..=random.uniform_below(4) {
+                let place = random.uniform_below(whole.len());
+                whole[place] = random.uniform_below(256) as u8;
             }
             return whole;
         }
@@ -231,14 +231,14 @@ fn mutated_scenes_end_by_themselves_and_say_where() {
                         return;
                     }
                     let mut random = Random::new(seed as u64);
-                    let origin = &scenes[random.below(scenes.len())];
+                    let origin = &scenes[random.uniform_below(scenes.len())];
                     let mut text = std::fs::read(origin).unwrap();
-                    for _ in 0..=random.below(2) {
+                    for _ in 0..=random.uniform_below(2) {
                         text = mutate(&String::from_utf8_lossy(&text), &mut random);
                     }
                     let scene = origin.with_file_name(format!("mutant_{seed}.ron"));
                     std::fs::write(&scene, text).unwrap();
-                    let check = random.below(5) > 0;
+                    let check = random.uniform_below(5) > 0;
                     let command: &[&str] = if check { &["check"] } else { &run };
                     if let Some(what) = complaint(&scene, command, check || timed) {
                         let text = std::fs::read(&scene).unwrap();

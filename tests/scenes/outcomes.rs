@@ -15,7 +15,7 @@ use tactus::mech::newton::effort::{Effort, iteration_limit};
 use tactus::mech::path::Load;
 use tactus::mech::path::continuation::FullPads;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Status;
 use tactus::scene::{Scene, load};
 use tactus::world::run::{Outcome, run_grasps};
@@ -31,7 +31,7 @@ fn scene(text: &str) -> Scene {
 fn run(text: &str) -> Outcome {
     let scene = scene(text);
     let model = Model::build(&scene).unwrap();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().take(1).collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().take(1).collect();
     run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 2, &()).unwrap().remove(0)
 }
 

@@ -7,8 +7,8 @@
 use crate::skipped::data;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
-use tactus::model::judge::evaluate;
+use tactus::model::evaluation::evaluate;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Status;
 use tactus::scene::load;
 use tactus::world::run::run_grasps;
@@ -36,7 +36,7 @@ fn free_objects_reach_fifteen_newtons_without_inversion_or_penetration() {
         std::fs::write(&path, text).unwrap();
         let scene = load(&path).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
         let model = Model::build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut grasps: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+        let mut grasps: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
         if !all {
             grasps = vec![grasps[sample]];
         }

@@ -27,16 +27,18 @@ fn schema_files(dir: &Path) -> Vec<PathBuf> {
     found.into_iter().flat_map(|path| if path.is_dir() { schema_files(&path) } else { vec![path] }).collect()
 }
 
-/// Value of a constant in scene syntax: `Positive::preset(1.0)` is 1.
+/// Value of a constant in scene syntax: `Positive::new_unchecked(1.0)` is 1.
 fn value(code: &str) -> String {
     let code = code.trim().trim_end_matches([',', ';']);
-    let inner = ["Tuple([", "::preset(", "::preset3(", "::preset_size("].iter().find_map(|mark| code.split_once(mark));
+    let inner = ["Tuple([", "::new_unchecked(", "::new_unchecked3(", "::new_unchecked_size("]
+        .iter()
+        .find_map(|mark| code.split_once(mark));
     match inner {
         Some((_, rest)) => {
             let close = rest.rfind([')', ']']).unwrap_or(rest.len());
             let text = rest[..close].trim_end_matches(']');
             let numbers: Vec<_> =
-                text.split(", ").map(|n| if n.contains("::preset(") { value(n) } else { number(n) }).collect();
+                text.split(", ").map(|n| if n.contains("::new_unchecked(") { value(n) } else { number(n) }).collect();
             if numbers.len() > 1 { format!("({})", numbers.join(", ")) } else { numbers.concat() }
         }
         None => number(code.rsplit("::").next().unwrap_or(code)),

@@ -1,6 +1,6 @@
 //! Evaluation of expectations: they hold or fail as measured, and fail where nothing was measured.
 
-use tactus::model::judge::{Findings, Measured, Verdict, evaluate, evaluate_all};
+use tactus::model::evaluation::{Findings, GraspMeasurements, Verdict, evaluate, evaluate_all};
 use tactus::record::Status;
 use tactus::scene::*;
 
@@ -12,18 +12,18 @@ fn expectations(text: &str) -> Vec<Expectation> {
     load(&path).unwrap_or_else(|e| panic!("{e}")).scene.expect
 }
 
-fn judge(text: &str, measured: &Measured) -> Verdict {
+fn judge(text: &str, measured: &GraspMeasurements) -> Verdict {
     evaluate(&expectations(text)[0], measured)
 }
 
 const FINE: Findings = Findings { finite: true, min_det_f: 0.6, penetration: 1e-7, offset: 1e-5, imbalance: 1e-4 };
 
-fn audited(findings: Findings) -> Measured {
-    Measured { findings: Some(findings), ..good() }
+fn audited(findings: Findings) -> GraspMeasurements {
+    GraspMeasurements { findings: Some(findings), ..good() }
 }
 
-fn good() -> Measured {
-    Measured {
+fn good() -> GraspMeasurements {
+    GraspMeasurements {
         status: Status::Reached,
         reason: String::new(),
         force_n: 15.0,
@@ -33,7 +33,7 @@ fn good() -> Measured {
         torque_balance: 2e-5,
         max_stress_pa: 1e5,
         curve: vec![(1e-3, 5.0), (2e-3, 15.0)],
-        ..Measured::default()
+        ..GraspMeasurements::default()
     }
 }
 
@@ -47,7 +47,7 @@ const ALL: &str =
 fn all_hold_of_a_good_grasp_and_none_of_an_unmeasured_one() {
     for e in expectations(ALL) {
         assert!(evaluate(&e, &good()).held, "{e:?}");
-        let nothing = evaluate(&e, &Measured::default());
+        let nothing = evaluate(&e, &GraspMeasurements::default());
         assert!(!nothing.held && nothing.value.is_none(), "{e:?}");
         assert_eq!(nothing.name, e.name());
     }
@@ -63,7 +63,7 @@ fn the_violated_bound_is_shown() {
     let held = judge("Travel(at_least: 1.6e-3)", &good());
     assert_eq!((held.held, held.value), (false, Some(1.5e-3)));
     // a press with one finger has one travel
-    assert!(judge("Travel(at_most: 2e-3)", &Measured { travel_m: [1e-3, f64::NAN], ..good() }).held);
+    assert!(judge("Travel(at_most: 2e-3)", &GraspMeasurements { travel_m: [1e-3, f64::NAN], ..good() }).held);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn inversion_and_penetration_are_noticed() {
 
 #[test]
 fn the_worst_frame_counts_and_nan_is_worse_than_any_number() {
-    let worst = FINE.worst(Findings { min_det_f: 0.1, penetration: f64::NAN, ..FINE }).worst(FINE);
+    let worst = FINE.merge_worst(Findings { min_det_f: 0.1, penetration: f64::NAN, ..FINE }).merge_worst(FINE);
     assert_eq!((worst.min_det_f, worst.imbalance, worst.finite), (0.1, 1e-4, true));
     assert!(worst.penetration.is_nan() && !judge("NoPenetration", &audited(worst)).held);
 }
@@ -94,7 +94,8 @@ fn force_at_a_depth_is_interpolated_and_never_extrapolated() {
 
 #[test]
 fn failures_can_be_expected() {
-    let fault = Measured { status: Status::Fault, reason: "line search: no step below 1e-12".into(), ..good() };
+    let fault =
+        GraspMeasurements { status: Status::Fault, reason: "line search: no step below 1e-12".into(), ..good() };
     assert!(judge("Fault(contains: \"line search\")", &fault).held);
     assert!(judge("Fault()", &fault).held);
     assert!(!judge("Fault(contains: \"stroke\")", &fault).held);

@@ -4,7 +4,7 @@ use std::path::Path;
 use tactus::backend::choose;
 use tactus::base::saved_state::{StateReader, StateWriter};
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::Frame;
 use tactus::scene::leaf::Count;
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, load};
@@ -20,7 +20,7 @@ fn goes_on(what: &str, scene: &str, change: fn(&mut Scene)) {
     let mut scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     change(&mut scene);
     let (model, stepper) = (Model::build(&scene).unwrap(), choose(&scene).unwrap());
-    let pose = poses_of(&scene).unwrap()[0];
+    let pose = grasp_poses(&scene).unwrap()[0];
     let fresh = || Environment::new(&model, stepper.as_ref(), pose).unwrap();
     let mut truth = fresh();
     let mut sizes = Vec::new();

@@ -4,7 +4,7 @@ use crate::keep::Keep;
 use std::process::Command;
 use tactus::backend::choose;
 use tactus::model::Model;
-use tactus::model::grasp::poses_of;
+use tactus::model::grasp::grasp_poses;
 use tactus::record::{Frame, PadFrame};
 use tactus::scene::{Scene, load};
 use tactus::world::run::run_grasps;
@@ -27,7 +27,7 @@ fn scene(gripper: &str, more: &str) -> Result<Scene, String> {
 fn frames(gripper: &str) -> Vec<Frame> {
     let scene = scene(gripper, "expect: [Finite]").unwrap();
     let model = Model::build(&scene).unwrap();
-    let poses: Vec<_> = poses_of(&scene).unwrap().into_iter().enumerate().collect();
+    let poses: Vec<_> = grasp_poses(&scene).unwrap().into_iter().enumerate().collect();
     let frames = Keep::default();
     run_grasps(&model, choose(&scene).unwrap().as_ref(), &poses, 1, &frames).unwrap();
     let frames = frames.0.into_inner().unwrap();

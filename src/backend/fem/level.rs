@@ -9,7 +9,7 @@ use mech::newton::effort::{agent_step_iteration_limit, iteration_limit};
 use mech::path::continuation::FullPads;
 use mech::path::grasp_limits::GraspLimits;
 use mech::path::{AdvanceCost, Load};
-use model::push::FIRST_PART;
+use model::push::FIRST_FRACTION;
 use model::{DropLimits, Model};
 use world::schedule::{EarlyTermination, StepLoad};
 
@@ -78,7 +78,7 @@ impl GraspSolver {
         let mut done = AdvanceCost::default();
         let begins = !std::mem::replace(&mut self.progress.started, true);
         // At the first level the object is not held yet and may roll to its equilibrium.
-        self.path.largest_drift = model.largest_drift.filter(|_| !begins);
+        self.path.largest_drift = model.max_drift.filter(|_| !begins);
         if begins {
             done.add(self.make_contact(model, level.min(model.release))?);
         }
@@ -159,7 +159,7 @@ impl GraspSolver {
     /// Raises the push to the fraction `part` at the force `force` (N per finger).
     fn apply_push(&mut self, model: &Model, force: f64, part: f64) -> std::result::Result<AdvanceCost, LevelFailure> {
         if !std::mem::replace(&mut self.progress.pushing, true) {
-            self.path.begin_load(FIRST_PART);
+            self.path.begin_load(FIRST_FRACTION);
             self.condensed.iter_mut().for_each(|pads| pads.begin_load());
         }
         self.path.tolerance = self.tolerance(model, force);

@@ -70,7 +70,7 @@ impl GraspSolver {
             }
         }
         let closing: Vec<DVec3> = model.fingers.iter().map(|f| f.placement.closing).collect();
-        let layout = if model.geared() { RigidUnknowns::geared } else { RigidUnknowns::new };
+        let layout = if model.has_coupled_fingers() { RigidUnknowns::geared } else { RigidUnknowns::new };
         let rigid = layout(closing, model.force_driven, model.free, model.object.bounding_radius);
         // A condensed body has the nodes of the full one.
         let state = State {

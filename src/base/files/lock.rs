@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Name of the lock file in a folder.
-pub const LOCK: &str = ".lock";
+pub const LOCK_NAME: &str = ".lock";
 
 /// Lock on a folder, held until dropped; it is released however the process ends.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ impl FolderLock {
     ///
     /// # Errors
     /// Fails if another process holds the lock (the message states its id), or if the folder cannot be written.
-    pub fn alone(dir: &Path, command: &str) -> Result<Self> {
+    pub fn exclusive(dir: &Path, command: &str) -> Result<Self> {
         let lock = Self::take(dir, command, true)?;
         remove_temporary_files(dir);
         Ok(lock)
@@ -45,8 +45,8 @@ impl FolderLock {
     /// Locks `dir` in shared mode, for processes that write different files.
     ///
     /// # Errors
-    /// Fails in the cases of [`Self::alone`].
-    pub fn beside(dir: &Path, command: &str) -> Result<Self> {
+    /// Fails in the cases of [`Self::exclusive`].
+    pub fn shared(dir: &Path, command: &str) -> Result<Self> {
         Self::take(dir, command, false)
     }
 
@@ -68,7 +68,7 @@ impl FolderLock {
 
 impl LockKind {
     fn take(dir: &Path, command: &str, alone: bool) -> Result<Self> {
-        let path = dir.join(LOCK);
+        let path = dir.join(LOCK_NAME);
         let fail = |e: &std::io::Error| cannot_write(&path, e);
         loop {
             // Not truncated, because it may contain the command of the current holder.
@@ -93,7 +93,7 @@ impl LockKind {
                     if file.metadata().is_ok_and(|meta| meta.len() == 0) {
                         let _ = std::fs::remove_file(&path);
                     }
-                    return Ok(Self::File { file: LockFile::take(&path, command, alone)?, reason: e.to_string() });
+                    return Ok(Self::File { file: LockFile::acquire(&path, command, alone)?, reason: e.to_string() });
                 }
                 Err(TryLockError::Error(e)) => return Err(fail(&e)),
             }
@@ -117,7 +117,7 @@ impl Drop for FolderLock {
 
 /// Exclusive lock of a thread on a file of a folder that several threads and processes write to; released when dropped.
 #[derive(Debug)]
-pub enum Turn {
+pub enum WriteLock {
     /// File lock of the operating system.
     System(File),
     /// Lock file used instead.
@@ -127,13 +127,13 @@ pub enum Turn {
 /// Maximum waiting time for locks that the operating system does not release with their process.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(600);
 
-impl Turn {
+impl WriteLock {
     /// Waits for the lock of `command` on the file `path`, which is created and not removed.
     ///
     /// # Errors
     /// Fails if the file cannot be written, on an interruption, or if another process holds a [`LockFile`] for ten
     /// minutes.
-    pub fn wait(path: &Path, command: &str) -> Result<Self> {
+    pub fn acquire(path: &Path, command: &str) -> Result<Self> {
         let file = File::create(path).map_err(|e| cannot_write(path, &e))?;
         match file.lock() {
             Ok(()) => return Ok(Self::System(file)),
@@ -142,7 +142,7 @@ impl Turn {
         }
         let until = Instant::now() + LOCK_TIMEOUT;
         loop {
-            match LockFile::take(path, command, true) {
+            match LockFile::acquire(path, command, true) {
                 Ok(file) => return Ok(Self::File(file)),
                 Err(error) if Instant::now() >= until => return Err(error),
                 Err(_) => interrupt::check()?,
@@ -167,7 +167,7 @@ fn has_no_locks(error: &std::io::Error) -> bool {
 /// Returns true if a process holds a lock on `dir`, or was killed while holding it.
 pub fn is_held(dir: &Path) -> bool {
     let names = std::fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.file_name());
-    names.into_iter().any(|name| name.to_str().is_some_and(|name| name.starts_with(LOCK)))
+    names.into_iter().any(|name| name.to_str().is_some_and(|name| name.starts_with(LOCK_NAME)))
 }
 
 /// Returns true if `path` still refers to `file`: its last holder may have removed the name after it was opened.

@@ -23,7 +23,7 @@ impl LockFile {
     /// # Errors
     /// Fails if another process holds the lock, or may hold it on another machine (the message states the file to
     /// delete otherwise), and if the folder cannot be written.
-    pub fn take(base: &Path, command: &str, alone: bool) -> Result<Self> {
+    pub fn acquire(base: &Path, command: &str, alone: bool) -> Result<Self> {
         let own = Holder { alone, host: host(), process: std::process::id() };
         let (path, dir) = (own.path(base), folder(base));
         match OpenOptions::new().write(true).create_new(true).open(&path) {

@@ -36,13 +36,13 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
 }
 
 /// Returns the kind of a file that is not regular, e.g. "a directory"; None for a regular file.
-pub fn other_kind(meta: &Metadata) -> Option<&'static str> {
+pub fn special_file_kind(meta: &Metadata) -> Option<&'static str> {
     let kind = meta.file_type();
     (!kind.is_file()).then(|| if kind.is_dir() { "a directory" } else { special(kind) })
 }
 
 /// Returns the error kind for reading a file that is not regular.
-pub fn refusal(meta: &Metadata) -> ErrorKind {
+pub fn error_kind(meta: &Metadata) -> ErrorKind {
     if meta.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::Unsupported }
 }
 
@@ -64,8 +64,8 @@ fn special(_: FileType) -> &'static str {
 
 fn checked(path: &Path) -> Result<(File, Metadata)> {
     let meta = path.metadata().map_err(|e| failed(path, &e))?;
-    if let Some(kind) = other_kind(&meta) {
-        return Err(Error::system(path, format!("is {kind}, not a regular file"), refusal(&meta)));
+    if let Some(kind) = special_file_kind(&meta) {
+        return Err(Error::system(path, format!("is {kind}, not a regular file"), error_kind(&meta)));
     }
     let file = File::open(path).map_err(|e| failed(path, &e))?;
     Ok((file, meta))

@@ -1,12 +1,12 @@
 //! Picture of the fits: forces against depth above, residuals below.
 
 use super::FitReport;
-use super::report::{four, two};
+use super::report::{format_2_digits, format_4_digits};
 use base::error::Result;
-use base::number::shown;
+use base::number::format_number;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use record::render::canvas::{Area, Drawn, INK, MUTED, Picture, label, save_picture};
+use record::render::canvas::{AXIS_COLOR, Area, DrawChart, DrawResult, SECONDARY_COLOR, label, save_picture};
 use std::path::Path;
 
 /// Colours: one per parameter fitted alone, then of the best pair and of the fit of all.
@@ -39,7 +39,8 @@ struct Line<'a> {
 impl FitReport {
     /// Returns the curves of the unchanged scene, each parameter alone, the best pair, and all parameters.
     fn lines(&self) -> Vec<Line<'_>> {
-        let given = Line { residuals: &self.given, color: MUTED, name: name("values of the scene", self.given_rms) };
+        let given =
+            Line { residuals: &self.given, color: SECONDARY_COLOR, name: name("values of the scene", self.given_rms) };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
         let drawn = singles.chain([2, self.parameters.len()].into_iter().filter_map(|count| self.best(count)));
         let mut lines = vec![given];
@@ -59,8 +60,8 @@ fn name(what: &str, rms: f64) -> String {
     format!("{what}: {:.1} % rms", 100.0 * rms)
 }
 
-impl Picture for FitReport {
-    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B> {
+impl DrawChart for FitReport {
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> DrawResult<B> {
         let (upper, lower) = area.split_vertically(UPPER);
         let (depths, lines) = (self.depths(), self.lines());
         let deepest = 1.08 * depths.iter().copied().fold(0.0, f64::max);
@@ -71,7 +72,7 @@ impl Picture for FitReport {
             let points = depths.iter().enumerate().map(|(k, d)| (*d, force(line, k)));
             chart.draw_series(LineSeries::new(points, line.color.stroke_width(2)))?;
         }
-        let measured = depths.iter().zip(&self.forces_n).map(|(d, f)| Circle::new((*d, *f), 5, INK.filled()));
+        let measured = depths.iter().zip(&self.forces_n).map(|(d, f)| Circle::new((*d, *f), 5, AXIS_COLOR.filled()));
         chart.draw_series(measured)?;
         let percent = |r: &f64| 100.0 * r;
         let all = || lines.iter().flat_map(|l| l.residuals.iter().map(percent));
@@ -79,7 +80,7 @@ impl Picture for FitReport {
         let room = 0.1 * (high - low);
         let mut chart =
             axes(&lower, (deepest, low - room, high + room), "simulated over measured - 1, %", "depth, mm")?;
-        chart.draw_series(LineSeries::new([(0.0, 0.0), (deepest, 0.0)], INK.stroke_width(1)))?;
+        chart.draw_series(LineSeries::new([(0.0, 0.0), (deepest, 0.0)], AXIS_COLOR.stroke_width(1)))?;
         for line in &lines {
             let points: Vec<_> = depths.iter().zip(line.residuals).map(|(d, r)| (*d, percent(r))).collect();
             chart.draw_series(points.iter().map(|p| Circle::new(*p, 4, line.color.filled())))?;
@@ -89,13 +90,13 @@ impl Picture for FitReport {
     }
 
     fn list(&self) -> Vec<(String, RGBColor)> {
-        let mut list = vec![("dots above: measured".to_string(), INK), ("lines: fitted".into(), INK)];
+        let mut list = vec![("dots above: measured".to_string(), AXIS_COLOR), ("lines: fitted".into(), AXIS_COLOR)];
         list.extend(self.lines().into_iter().map(|l| (l.name, l.color)));
-        list.push((String::new(), INK));
+        list.push((String::new(), AXIS_COLOR));
         list.extend(self.best(2).into_iter().flat_map(|pair| &pair.free).map(|e| {
             let (name, scale) = e.parameter.shown_as();
-            let half = e.interval.map_or(String::new(), |half| format!(" +- {}", two(scale * half)));
-            (format!("best pair: {name} {}{half}", four(scale * e.value)), COLORS[4])
+            let half = e.interval.map_or(String::new(), |half| format!(" +- {}", format_2_digits(scale * half)));
+            (format!("best pair: {name} {}{half}", format_4_digits(scale * e.value)), COLORS[4])
         }));
         list
     }
@@ -115,6 +116,6 @@ fn axes<'a, B: DrawingBackend>(
         .x_label_area_size(if x_name.is_empty() { 28 } else { 50 })
         .y_label_area_size(72)
         .build_cartesian_2d(0.0..deepest, low..high)?;
-    label(&mut plane, [x_name, y_name], &|v| shown(*v))?;
+    label(&mut plane, [x_name, y_name], &|v| format_number(*v))?;
     Ok(plane)
 }

@@ -2,16 +2,16 @@
 
 use base::error::{Error, Result};
 use base::files::regular;
-use base::number::{counted, shown};
+use base::number::{format_count, format_number};
 use scene::leaf::{Length, Positive};
 use std::path::Path;
 
 /// Columns of the table.
 const HEADER: [&str; 2] = ["depth_m", "force_n"];
 /// Largest file that is read, bytes.
-const LIMIT: u64 = 1 << 20;
+const MAX_SIZE: u64 = 1 << 20;
 /// Smallest number of points: any single parameter fits one point exactly, which is no evidence.
-const FEWEST: usize = 2;
+const MIN_POINTS: usize = 2;
 
 /// Force against depth.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +27,7 @@ impl Curve {
     /// Fails, with `file:line`, for an entry that is not a number, not positive, or not deeper than the line before;
     /// also for another header and for fewer than two points.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = regular::read(path, LIMIT)?;
+        let bytes = regular::read(path, MAX_SIZE)?;
         let at = |line: u64, message: String| Error::file(format!("{}:{line}", path.display()), message);
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(&bytes[..]);
@@ -44,13 +44,14 @@ impl Curve {
             let line = record.position().map_or(1, csv::Position::line);
             let [depth, force] = row(&record).map_err(|m| at(line, m))?;
             if let Some((before, _)) = points.last().filter(|(before, _)| depth <= *before) {
-                let message = format!("depths must increase: {} m after {} m", shown(depth), shown(*before));
+                let message =
+                    format!("depths must increase: {} m after {} m", format_number(depth), format_number(*before));
                 return Err(at(line, message));
             }
             points.push((depth, force));
         }
-        if points.len() < FEWEST {
-            let message = format!("has {}; a fit needs at least {FEWEST}", counted(points.len(), "point"));
+        if points.len() < MIN_POINTS {
+            let message = format!("has {}; a fit needs at least {MIN_POINTS}", format_count(points.len(), "point"));
             return Err(Error::file(path, message));
         }
         Ok(Self { points })

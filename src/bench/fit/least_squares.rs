@@ -7,20 +7,20 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 /// Finite-difference step: well above the noise of a simulation (about 1e-4 of a force).
-const DIFFERENCE: f64 = 0.05;
+const DIFFERENCE_STEP: f64 = 0.05;
 /// Largest component of a step below which the fit has converged.
-const STILL: f64 = 1e-3;
+const STEP_TOLERANCE: f64 = 1e-3;
 /// Root mean square below which the residuals are at the noise level of a simulation.
-const NOISE: f64 = 1e-4;
+const NOISE_LEVEL: f64 = 1e-4;
 /// Relative decrease of the sum of squares below which the fit has stalled.
-const STALLED: f64 = 1e-3;
+const MIN_DECREASE: f64 = 1e-3;
 /// Largest number of iterations.
-const MOST: usize = 30;
+const MAX_ITERATIONS: usize = 30;
 /// Initial damping, a fraction of the diagonal of the normal matrix; it is divided by ten after a step that decreases
 /// the squares and multiplied by ten after one that does not.
-const DAMPING: f64 = 1e-3;
+const INITIAL_DAMPING: f64 = 1e-3;
 /// Damping beyond which the iteration ends.
-const MOST_DAMPING: f64 = 1e6;
+const MAX_DAMPING: f64 = 1e6;
 /// Confidence level of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
@@ -53,20 +53,20 @@ pub fn minimise(start: &[f64], residuals: impl Fn(&[Vec<f64>]) -> Result<Vec<Opt
     let first = all(&[start.to_vec()])?.swap_remove(0);
     let jacobian = differences(start, &first, all)?;
     let mut now = Minimum { at: start.to_vec(), residual: first, jacobian, converged: false, iterations: 0 };
-    let (mut damping, mut stalled) = (DAMPING, false);
-    while now.iterations < MOST {
+    let (mut damping, mut stalled) = (INITIAL_DAMPING, false);
+    while now.iterations < MAX_ITERATIONS {
         now.iterations += 1;
-        now.converged = stalled || now.rms() < NOISE;
+        now.converged = stalled || now.rms() < NOISE_LEVEL;
         while !now.converged {
             let next = now.step(damping);
             let moved = next.iter().zip(&now.at).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-            if moved < STILL || damping > MOST_DAMPING {
+            if moved < STEP_TOLERANCE || damping > MAX_DAMPING {
                 now.converged = true;
                 break;
             }
             let better = residuals(std::slice::from_ref(&next))?.swap_remove(0).filter(|r| squares(r) < now.squares());
             if let Some(residual) = better {
-                stalled = now.squares() - squares(&residual) < STALLED * now.squares();
+                stalled = now.squares() - squares(&residual) < MIN_DECREASE * now.squares();
                 (now.at, now.residual) = (next, residual);
                 now.jacobian = differences(&now.at, &now.residual, all)?;
                 damping *= 0.1;
@@ -92,18 +92,18 @@ pub fn rms(residual: &[f64]) -> f64 {
 
 /// Returns the finite-difference step at `u`, towards the centre of the box.
 fn step(u: f64) -> f64 {
-    if u < 0.5 { DIFFERENCE } else { -DIFFERENCE }
+    if u < 0.5 { DIFFERENCE_STEP } else { -DIFFERENCE_STEP }
 }
 
 /// Returns the finite-difference points of `at`, one per unknown.
-pub fn beside(at: &[f64]) -> Vec<Vec<f64>> {
+pub fn finite_difference_points(at: &[f64]) -> Vec<Vec<f64>> {
     let point = |k: usize| at.iter().enumerate().map(|(i, u)| if i == k { u + step(*u) } else { *u }).collect();
     (0..at.len()).map(point).collect()
 }
 
 /// Computes the Jacobian at a point with residuals `base`.
 fn differences(at: &[f64], base: &[f64], all: impl Fn(&[Vec<f64>]) -> Result<Vec<Vec<f64>>>) -> Result<Mat<f64>> {
-    let columns = all(&beside(at))?;
+    let columns = all(&finite_difference_points(at))?;
     Ok(Mat::from_fn(base.len(), at.len(), |i, k| (columns[k][i] - base[i]) / step(at[k])))
 }
 
@@ -157,14 +157,14 @@ impl Minimum {
     }
 
     /// Returns the degrees of freedom: the number of residuals minus the number of unknowns that are not at a bound.
-    pub fn freedom(&self) -> usize {
+    pub fn degrees_of_freedom(&self) -> usize {
         self.residual.len().saturating_sub(self.inside().len())
     }
 
     /// Returns half the width of the 95 % confidence interval of each unknown (Student's t, to first order). None at a
     /// bound, without degrees of freedom, and if the normal matrix is singular.
     pub fn intervals(&self) -> Vec<Option<f64>> {
-        let (inside, freedom) = (self.inside(), self.freedom());
+        let (inside, freedom) = (self.inside(), self.degrees_of_freedom());
         let mut intervals = vec![None; self.at.len()];
         if inside.is_empty() || freedom == 0 {
             return intervals;
@@ -199,6 +199,6 @@ mod tests {
         assert!((slope / (4.3027 * (1.6e-4_f64 / 5.0).sqrt()) - 1.0).abs() < 2e-2, "{slope}");
         let below = |points: &[Vec<f64>]| Ok(points.iter().map(|u| Some(vec![u[0] + 0.3, u[0] + 0.2])).collect());
         let edge = minimise(&[0.5], below).unwrap();
-        assert!(edge.converged && edge.at[0] == 0.0 && edge.intervals()[0].is_none() && edge.freedom() == 2);
+        assert!(edge.converged && edge.at[0] == 0.0 && edge.intervals()[0].is_none() && edge.degrees_of_freedom() == 2);
     }
 }

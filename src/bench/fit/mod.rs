@@ -39,7 +39,7 @@ pub fn fit(
     let press = PressRuns::new(scene, curve, threads)?;
     let ranges = ranges.above_surface(curve);
     let start = press.start();
-    ranges.must_hold(&start)?;
+    ranges.check(&start)?;
     progress("the press with the values of the scene");
     let given = press.residuals_of(&start)?;
     let sets: Vec<_> = sets().into_iter().filter(|free| free.len() <= curve.points.len()).collect();
@@ -47,7 +47,7 @@ pub fn fit(
         units.iter().map(|u| ranges.values(&start, free, u)).collect()
     };
     // The finite-difference points that all fits begin with, in one parallel batch.
-    let beside = least_squares::beside(&ranges.units(&start, &Parameter::ALL));
+    let beside = least_squares::finite_difference_points(&ranges.units(&start, &Parameter::ALL));
     press.residuals(&values(&Parameter::ALL, &beside))?;
     let done = AtomicUsize::new(0);
     let one = |free: &Vec<Parameter>| {

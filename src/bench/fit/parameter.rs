@@ -2,7 +2,7 @@
 
 use super::Curve;
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 use scene::leaf::{Modulus, NonNegative, Poisson};
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub type ParameterValues = [f64; 4];
 
 /// Largest upward shift of the depth zero, as a fraction of the smallest depth of the table, so that every depth stays
 /// positive.
-const ABOVE: f64 = 0.9;
+const MAX_SHIFT: f64 = 0.9;
 
 impl Parameter {
     /// All parameters.
@@ -62,7 +62,7 @@ impl Parameter {
     }
 
     /// Returns the default range, SI, which covers gels of optical tactile sensors.
-    const fn usual(self) -> [f64; 2] {
+    const fn default_range(self) -> [f64; 2] {
         match self {
             // From TacEx' GelSight Mini (0.1 MPa) to the users of the tactile grasp data set (0.5 MPa); FEATS
             // identified 0.43 MPa.
@@ -78,7 +78,7 @@ impl Parameter {
     }
 
     /// Returns the reason why a scene cannot have this value, if any.
-    fn refused(self, value: f64) -> Option<String> {
+    fn invalid_reason(self, value: f64) -> Option<String> {
         match self {
             Self::Young => Modulus::new(value).err(),
             Self::Poisson => Poisson::new(value).err(),
@@ -94,7 +94,7 @@ pub struct Ranges(pub [[f64; 2]; 4]);
 
 impl Default for Ranges {
     fn default() -> Self {
-        Self(Parameter::ALL.map(Parameter::usual))
+        Self(Parameter::ALL.map(Parameter::default_range))
     }
 }
 
@@ -111,7 +111,7 @@ impl Ranges {
         let (low, high) = ends.split_once(',').ok_or_else(form)?;
         let ends = [low, high].map(|end| end.trim().parse::<f64>());
         let [Ok(low), Ok(high)] = ends else { return Err(form()) };
-        if let Some(message) = [low, high].into_iter().find_map(|end| Parameter::ALL[index].refused(end)) {
+        if let Some(message) = [low, high].into_iter().find_map(|end| Parameter::ALL[index].invalid_reason(end)) {
             return Err(format!("{name}: {message}"));
         }
         if low >= high {
@@ -127,20 +127,20 @@ impl Ranges {
         let mut ranges = *self;
         let first = curve.points.first().map_or(f64::INFINITY, |p| p.0);
         let zero = &mut ranges.0[Parameter::DepthZero as usize];
-        zero[0] = zero[0].max(-ABOVE * first);
+        zero[0] = zero[0].max(-MAX_SHIFT * first);
         ranges
     }
 
     /// Checks that all values are within their ranges.
-    pub(super) fn must_hold(&self, values: &ParameterValues) -> Result<()> {
+    pub(super) fn check(&self, values: &ParameterValues) -> Result<()> {
         for (p, (value, [low, high])) in Parameter::ALL.into_iter().zip(values.iter().zip(self.0)) {
             if !(low..=high).contains(value) {
                 return Err(Error::Argument(format!(
                     "{} of the scene is {}, outside its range of {} to {}; give --range {}=LOW,HIGH",
                     p.words(),
-                    shown(*value),
-                    shown(low),
-                    shown(high),
+                    format_number(*value),
+                    format_number(low),
+                    format_number(high),
                     p.name()
                 )));
             }

@@ -3,10 +3,10 @@
 use super::{Curve, Parameter, ParameterValues};
 use backend::choose;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use geometry::Pose;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use rayon::prelude::*;
 use record::Status;
 use scene::leaf::{Length, NonNegative};
@@ -37,7 +37,7 @@ impl<'a> PressRuns<'a> {
     /// # Errors
     /// Fails for a scene that is not a press, that has several grasps or gravity, or whose pads differ.
     pub fn new(scene: &Scene, curve: &'a Curve, threads: usize) -> Result<Self> {
-        scene.gripper.needs_alike("a fit")?;
+        scene.gripper.require_equal_fingers("a fit")?;
         let refused = |message: &str| Err(Error::Scene(format!("error: a fit {message}")));
         if !matches!(scene.loading, Loading::Press(_)) {
             return refused("needs a press; use loading: Press(depths: [...])");
@@ -45,12 +45,12 @@ impl<'a> PressRuns<'a> {
         if scene.gravity.is_some() {
             return refused("needs a gel without weight; leave `gravity` out");
         }
-        let poses = poses_of(scene)?;
+        let poses = grasp_poses(scene)?;
         let &[pose] = &poses[..] else {
-            return refused(&format!("needs one press, and the scene has {}", counted(poses.len(), "grasp")));
+            return refused(&format!("needs one press, and the scene has {}", format_count(poses.len(), "grasp")));
         };
         let mut scene = scene.clone();
-        scene.promise_nothing();
+        scene.clear_expectations();
         scene.record = Record {
             fields: vec![Field::ContactForce],
             pictures: false,

@@ -2,14 +2,14 @@
 
 use super::least_squares::{Minimum, rms};
 use super::{Curve, Parameter, ParameterValues, Ranges};
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use serde::Serialize;
 use std::fmt::Write;
 
 /// Root mean square of the relative residuals below which the scene already matches the table.
-const NOTHING: f64 = 1e-3;
+const MATCH_RMS: f64 = 1e-3;
 /// Largest number of points whose residuals are listed individually.
-const LISTED: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Fitted value of a parameter, with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,8 +18,8 @@ pub struct FittedParameter {
     pub parameter: Parameter,
     /// Fitted value, in the SI unit of the parameter.
     pub value: f64,
-    /// Half the width of the 95 % confidence interval (Student's t, linearised), in the SI unit of the parameter. None if
-    /// [`Fit::freedom`] is zero, the value is at an end of its range, or the data do not determine the parameter.
+    /// Half the width of the 95 % confidence interval (Student's t, linearised), in the SI unit of the parameter. None
+    /// if [`Fit::freedom`] is zero, the value is at an end of its range, or the data do not determine the parameter.
     pub interval: Option<f64>,
     /// True if the value is at an end of its range.
     pub at_edge: bool,
@@ -59,7 +59,7 @@ impl Fit {
             values,
             rms: minimum.rms(),
             residuals: minimum.residual.clone(),
-            freedom: minimum.freedom(),
+            freedom: minimum.degrees_of_freedom(),
             converged: minimum.converged,
             iterations: minimum.iterations,
         }
@@ -121,7 +121,7 @@ impl FitReport {
     ) -> Self {
         let given_rms = rms(&given);
         let singles = fits.iter().filter(|f| f.free.len() == 1);
-        let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > NOTHING);
+        let best = singles.min_by(|a, b| a.rms.total_cmp(&b.rms)).filter(|_| given_rms > MATCH_RMS);
         Self {
             depths_m: curve.points.iter().map(|p| p.0).collect(),
             forces_n: curve.points.iter().map(|p| p.1).collect(),
@@ -142,7 +142,7 @@ impl FitReport {
     }
 
     /// Returns the fraction of the sum of squared residuals of the unchanged scene that `fit` removes, at most 1.
-    pub fn explained(&self, fit: &Fit) -> f64 {
+    pub fn explained_fraction(&self, fit: &Fit) -> f64 {
         1.0 - (fit.rms / self.given_rms).powi(2)
     }
 
@@ -158,9 +158,9 @@ impl FitReport {
         let mut out = format!("{:<20}", "free");
         // Writing to a String cannot fail.
         Parameter::ALL.iter().for_each(|p| out += &format!("{:>17}", p.shown_as().0));
-        let listed = self.depths_m.len() <= LISTED;
+        let listed = self.depths_m.len() <= MAX_LISTED;
         if listed {
-            self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", shown(d * 1e3))));
+            self.depths_m.iter().for_each(|d| out += &format!("{:>9}", format!("{} mm", format_number(d * 1e3))));
         }
         out += "  largest     rms\n";
         self.row(&mut out, "values of the scene", self.start.map(|v| (v, String::new())), &self.given, self.given_rms);
@@ -179,33 +179,35 @@ impl FitReport {
             the value is at an edge\n";
         let ranges = Parameter::ALL.iter().zip(self.ranges).map(|(p, [low, high])| {
             let (name, scale) = p.shown_as();
-            format!("{name} {} to {}", shown(low * scale), shown(high * scale))
+            format!("{name} {} to {}", format_number(low * scale), format_number(high * scale))
         });
         let _ = writeln!(out, "ranges: {}", ranges.collect::<Vec<_>>().join(", "));
-        out += &self.verdict();
+        out += &self.explanation();
         out
     }
 
     fn row(&self, out: &mut String, name: &str, cells: [(f64, String); 4], residuals: &[f64], rms: f64) {
         *out += &format!("{name:<20}");
         for (p, (value, note)) in Parameter::ALL.iter().zip(cells) {
-            let text = if value.is_nan() { ".".into() } else { format!("{}{note}", four(value * p.shown_as().1)) };
+            let text =
+                if value.is_nan() { ".".into() } else { format!("{}{note}", format_4_digits(value * p.shown_as().1)) };
             *out += &format!("{text:>17}");
         }
-        if residuals.len() <= LISTED {
+        if residuals.len() <= MAX_LISTED {
             residuals.iter().for_each(|r| *out += &format!("{:>+7.1} %", 100.0 * r));
         }
         let _ = writeln!(out, "{:>7.1} % {:>5.1} %", 100.0 * largest(residuals), 100.0 * rms);
     }
 
     /// Names the parameter that explains the deviation.
-    fn verdict(&self) -> String {
+    fn explanation(&self) -> String {
         let Some(explains) = self.explains else {
             return "the scene agrees with the table: there is no deviation to explain\n".into();
         };
         let singles = self.fits.iter().filter(|f| f.free.len() == 1);
-        let shares: Vec<String> =
-            singles.map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained(f))).collect();
+        let shares: Vec<String> = singles
+            .map(|f| format!("{} {:.0} %", f.free[0].parameter.words(), 100.0 * self.explained_fraction(f)))
+            .collect();
         let mut text = format!(
             "{} alone explains most of the deviation; fractions of its sum of squares: {}\n",
             explains.words(),
@@ -227,18 +229,18 @@ impl FitReport {
 /// Returns the suffix of a fitted value in the table.
 fn note(estimate: &FittedParameter) -> String {
     match estimate.interval {
-        Some(half) => format!(" +-{}", two(half * estimate.parameter.shown_as().1)),
+        Some(half) => format!(" +-{}", format_2_digits(half * estimate.parameter.shown_as().1)),
         None if estimate.at_edge => " edge".into(),
         None => String::new(),
     }
 }
 
 /// Formats to four significant digits.
-pub(super) fn four(v: f64) -> String {
-    shown(rounded(v, 4))
+pub(super) fn format_4_digits(v: f64) -> String {
+    format_number(round_significant(v, 4))
 }
 
 /// Formats to two significant digits.
-pub(super) fn two(v: f64) -> String {
-    shown(rounded(v, 2))
+pub(super) fn format_2_digits(v: f64) -> String {
+    format_number(round_significant(v, 2))
 }

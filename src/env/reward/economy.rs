@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use scene::reward::EconomyReward;
 
 impl RewardTerm for EconomyReward {
-    fn pay(&self, info: &StepInfo) -> f64 {
-        -self.weight.get() * info.force / info.most
+    fn reward(&self, info: &StepInfo) -> f64 {
+        -self.weight.get() * info.force / info.max_force
     }
 }

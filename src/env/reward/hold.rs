@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use scene::reward::HoldReward;
 
 impl RewardTerm for HoldReward {
-    fn pay(&self, info: &StepInfo) -> f64 {
+    fn reward(&self, info: &StepInfo) -> f64 {
         if info.held { self.weight.get() } else { -self.drop.get() }
     }
 }

@@ -19,7 +19,8 @@ pub struct StepInfo {
     /// Slip of the object over the pads in this step, m.
     pub slip: f64,
     /// Accumulated slip since the start of the grasp, m.
-    pub slipped: f64,
+    #[serde(rename = "slipped")]
+    pub accumulated_slip: f64,
     /// Fraction of the friction limit that the load leaves unused: 0 at gross slip, 1 without load, see
     /// [`super::slip`].
     pub margin: f64,
@@ -28,18 +29,19 @@ pub struct StepInfo {
     /// Sum of the finger forces, N.
     pub force: f64,
     /// Largest force that the agent may apply, N.
-    pub most: f64,
+    #[serde(rename = "most")]
+    pub max_force: f64,
     /// Load on the object, perpendicular to the closing direction, N.
     pub load: f64,
 }
 
 /// User-defined reward function.
-pub type Custom = dyn Fn(&StepInfo) -> f64 + Send + Sync;
+pub type RewardFunction = dyn Fn(&StepInfo) -> f64 + Send + Sync;
 
 /// Term of the reward.
 pub trait RewardTerm {
     /// Returns the contribution of this term to the reward of a step.
-    fn pay(&self, info: &StepInfo) -> f64;
+    fn reward(&self, info: &StepInfo) -> f64;
     /// Returns true if the term uses the stress.
     fn needs_stress(&self) -> bool {
         false

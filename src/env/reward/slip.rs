@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use scene::reward::SlipReward;
 
 impl RewardTerm for SlipReward {
-    fn pay(&self, info: &StepInfo) -> f64 {
+    fn reward(&self, info: &StepInfo) -> f64 {
         -self.weight.get() * info.slip / 1e-3
     }
 }

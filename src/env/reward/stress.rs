@@ -4,7 +4,7 @@ use super::{RewardTerm, StepInfo};
 use scene::reward::StressReward;
 
 impl RewardTerm for StressReward {
-    fn pay(&self, info: &StepInfo) -> f64 {
+    fn reward(&self, info: &StepInfo) -> f64 {
         -self.weight.get() * (info.stress / self.limit.get() - 1.0).max(0.0)
     }
 

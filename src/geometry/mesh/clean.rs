@@ -1,12 +1,12 @@
 //! Repair of a tetrahedral mesh for simulation: reports all changes and rejects faults without a unique remedy.
 
-use crate::mesh::{FARTHEST, MAX_COUNT, TetMesh, is_far, quality, show, signed_volume, surface};
+use crate::mesh::{MAX_COORDINATE, MAX_COUNT, TetMesh, format_point, is_out_of_range, quality, signed_volume, surface};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Mean-ratio quality below which a tetrahedron is rejected as flat. (A sliver of this quality has a height of some
 /// 1e-6 of its edge.)
-pub const FLAT: f64 = 1e-4;
+pub const MIN_QUALITY: f64 = 1e-4;
 
 /// Result of [`repair_mapped`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,9 +21,9 @@ pub struct Repair {
 /// each.
 ///
 /// # Errors
-/// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below [`FLAT`]), a
-/// face shared by three or more tetrahedra and an empty mesh. The error states the tetrahedron (0-based), its position
-/// and its size.
+/// Fails for an index out of range, a repeated node, a non-finite node, a flat tetrahedron (quality below
+/// [`MIN_QUALITY`]), a face shared by three or more tetrahedra and an empty mesh. The error states the tetrahedron
+/// (0-based), its position and its size.
 pub fn repair(mesh: &mut TetMesh) -> Result<Vec<String>> {
     repair_mapped(mesh).map(|r| r.notices)
 }
@@ -37,15 +37,15 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     let mut notices = Vec::new();
     let (node_map, welded, unused) = compact(mesh);
     if welded > 0 {
-        notices.push(format!("welded {} (exactly equal coordinates)", counted(welded, "duplicate node")));
+        notices.push(format!("welded {} (exactly equal coordinates)", format_count(welded, "duplicate node")));
     }
     if unused > 0 {
-        notices.push(format!("removed {} that no tetrahedron uses", counted(unused, "node")));
+        notices.push(format!("removed {} that no tetrahedron uses", format_count(unused, "node")));
     }
     for (t, tet) in mesh.tets.iter().enumerate() {
         for i in 0..4 {
             if tet[..i].contains(&tet[i]) {
-                let place = show(mesh.nodes[tet[i] as usize]);
+                let place = format_point(mesh.nodes[tet[i] as usize]);
                 return Err(Error::Mesh(format!(
                     "tetrahedron {t} (0-based) uses node {} twice, at {place}; its four corners must be different points: \
                      remove it or mesh again",
@@ -64,11 +64,11 @@ pub fn repair_mapped(mesh: &mut TetMesh) -> Result<Repair> {
     if turned > 0 {
         notices.push(format!(
             "reoriented {turned} of {} that had negative volume",
-            counted(mesh.tets.len(), "tetrahedron")
+            format_count(mesh.tets.len(), "tetrahedron")
         ));
     }
     refuse_flat(mesh)?;
-    surface::refuse_non_manifold(mesh)?;
+    surface::check_manifold(mesh)?;
     Ok(Repair { notices, node_map })
 }
 
@@ -81,15 +81,15 @@ pub fn check_indices(mesh: &TetMesh) -> Result<()> {
     if n == 0 || m == 0 {
         return Err(Error::Mesh(format!(
             "the mesh is empty: {} and {}",
-            counted(n, "node"),
-            counted(m, "tetrahedron")
+            format_count(n, "node"),
+            format_count(m, "tetrahedron")
         )));
     }
     if n.max(m) > MAX_COUNT {
         return Err(Error::Mesh(format!("{n} nodes and {m} tetrahedra; at most {MAX_COUNT} of each are allowed")));
     }
-    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| is_far(**p)) {
-        let message = format!("node {i} (0-based) is {p}; coordinates must be finite and within {FARTHEST:e}");
+    if let Some((i, p)) = mesh.nodes.iter().enumerate().find(|(_, p)| is_out_of_range(**p)) {
+        let message = format!("node {i} (0-based) is {p}; coordinates must be finite and within {MAX_COORDINATE:e}");
         return Err(Error::Mesh(message));
     }
     for (t, tet) in mesh.tets.iter().enumerate() {
@@ -150,14 +150,14 @@ fn refuse_flat(mesh: &TetMesh) -> Result<()> {
     for t in 0..mesh.tets.len() {
         let corners = mesh.corners(t);
         let ratio = quality::mean_ratio(corners);
-        if ratio < FLAT || ratio.is_nan() {
+        if ratio < MIN_QUALITY || ratio.is_nan() {
             let centre = corners.iter().sum::<glam::DVec3>() / 4.0;
             return Err(Error::Mesh(format!(
                 "tetrahedron {t} (0-based), nodes {:?}, is flat: volume {:.3e} m^3, quality {ratio:.2e} (a regular one has \
-                 1, at least {FLAT:.0e} is needed), centroid {}; mesh again or remove it",
+                 1, at least {MIN_QUALITY:.0e} is needed), centroid {}; mesh again or remove it",
                 mesh.tets[t],
                 signed_volume(corners),
-                show(centre)
+                format_point(centre)
             )));
         }
     }

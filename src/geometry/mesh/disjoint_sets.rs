@@ -11,7 +11,7 @@ impl DisjointSets {
     }
 
     /// Returns the smallest number of the set that contains `i`.
-    pub fn root(&mut self, mut i: u32) -> u32 {
+    pub fn find(&mut self, mut i: u32) -> u32 {
         let parent = &mut self.0;
         while parent[i as usize] != i {
             parent[i as usize] = parent[parent[i as usize] as usize];
@@ -21,8 +21,8 @@ impl DisjointSets {
     }
 
     /// Joins the sets that contain two numbers.
-    pub fn join(&mut self, [a, b]: [u32; 2]) {
-        let [a, b] = [a, b].map(|i| self.root(i));
+    pub fn union(&mut self, [a, b]: [u32; 2]) {
+        let [a, b] = [a, b].map(|i| self.find(i));
         self.0[a.max(b) as usize] = a.min(b);
     }
 }

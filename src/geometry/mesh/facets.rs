@@ -5,16 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 
 use crate::mesh::TriMesh;
-use crate::mesh::topology::{drop_unused, sides};
+use crate::mesh::topology::{drop_unused, half_edges};
 
 /// Ratio of height to longest side up to which a triangle counts as one without area.
-pub(crate) const FLAT: f64 = 1e-13;
+pub(crate) const FLAT_RATIO: f64 = 1e-13;
 
 /// Returns true if the triangle is too thin to have a normal.
 pub(crate) fn is_flat(p: [DVec3; 3]) -> bool {
     let longest = (0..3).map(|i| p[i].distance_squared(p[(i + 1) % 3])).fold(0.0, f64::max);
     let twice_area = (p[1] - p[0]).cross(p[2] - p[0]).length();
-    twice_area.is_nan() || twice_area <= FLAT * longest
+    twice_area.is_nan() || twice_area <= FLAT_RATIO * longest
 }
 
 /// Drops triangles with the same corners and orientation as an earlier one; returns their number. Indices must be
@@ -60,7 +60,7 @@ pub fn remove_flat(mesh: &mut TriMesh) -> usize {
     let mut removed = 0;
     // A chain of flat triangles needs one pass for each; triangles that remain are rejected later, with their location.
     for _ in 0..64 {
-        let Some(done) = round(mesh) else { break };
+        let Some(done) = remove_flat_once(mesh) else { break };
         removed += done;
     }
     if removed > 0 {
@@ -70,13 +70,13 @@ pub fn remove_flat(mesh: &mut TriMesh) -> usize {
 }
 
 /// Removes flat triangles in one pass over the mesh; returns their number, or None if none was removed.
-fn round(mesh: &mut TriMesh) -> Option<usize> {
+fn remove_flat_once(mesh: &mut TriMesh) -> Option<usize> {
     let flat: Vec<usize> = (0..mesh.triangles.len()).filter(|t| is_flat(mesh.corners(*t))).collect();
     if flat.is_empty() {
         return None;
     }
     let mut at: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-    for side in sides(mesh) {
+    for side in half_edges(mesh) {
         at.entry(side.ends).or_default().push(side.triangle as usize);
     }
     let (mut touched, mut dropped, mut done) = (BTreeSet::new(), BTreeSet::new(), 0);
@@ -103,7 +103,7 @@ fn round(mesh: &mut TriMesh) -> Option<usize> {
         let longest = (0..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
         let ([a, b], m) = (edges[longest], corners[(longest + 2) % 3]);
         let [other] = beside[longest][..] else { continue };
-        let Some(c) = across(mesh.triangles[other], [b, a]) else { continue };
+        let Some(c) = opposite_corner(mesh.triangles[other], [b, a]) else { continue };
         if c == m {
             // Coincident triangles: both are dropped.
             dropped.extend([t, other]);
@@ -122,7 +122,7 @@ fn round(mesh: &mut TriMesh) -> Option<usize> {
 }
 
 /// Returns the corner of `triangle` opposite to its directed edge `from -> to`.
-fn across(triangle: [u32; 3], edge: [u32; 2]) -> Option<u32> {
+fn opposite_corner(triangle: [u32; 3], edge: [u32; 2]) -> Option<u32> {
     let i = (0..3).find(|i| [triangle[*i], triangle[(i + 1) % 3]] == edge)?;
     Some(triangle[(i + 2) % 3])
 }

@@ -4,8 +4,8 @@
 //! repairs a tetrahedral mesh for simulation; [`topology`] checks a triangle surface. Everything is deterministic: the
 //! numbering never depends on the order of a hash map.
 
+pub mod adjacency;
 pub mod clean;
-pub mod close;
 pub(crate) mod disjoint_sets;
 pub mod facets;
 pub mod grid;
@@ -13,10 +13,10 @@ pub mod io;
 pub(crate) mod polygon;
 pub mod quadratic;
 pub mod quality;
-pub mod rings;
 pub mod shells;
 pub mod surface;
 pub mod topology;
+pub mod weld;
 
 use glam::DVec3;
 
@@ -44,7 +44,7 @@ pub const MAX_COUNT: usize = 5_000_000;
 
 /// Largest accepted coordinate in a file, in its own unit: products of three coordinates stay far from overflow. The
 /// scale in the scene converts them to metres.
-pub(crate) const FARTHEST: f64 = 1e9;
+pub(crate) const MAX_COORDINATE: f64 = 1e9;
 
 impl TetMesh {
     /// Returns the corner positions of tetrahedron `t`, m. `t` must be a valid tetrahedron of a mesh with valid
@@ -66,12 +66,12 @@ pub fn signed_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).cross(c - a).dot(d - a) / 6.0
 }
 
-/// Returns true if a coordinate is not finite or beyond [`FARTHEST`].
-pub(crate) fn is_far(p: DVec3) -> bool {
-    !p.is_finite() || p.abs().max_element() > FARTHEST
+/// Returns true if a coordinate is not finite or beyond [`MAX_COORDINATE`].
+pub(crate) fn is_out_of_range(p: DVec3) -> bool {
+    !p.is_finite() || p.abs().max_element() > MAX_COORDINATE
 }
 
 /// Returns `p` as text for messages, in metres.
-pub fn show(p: DVec3) -> String {
+pub fn format_point(p: DVec3) -> String {
     format!("({:.6}, {:.6}, {:.6}) m", p.x, p.y, p.z)
 }

@@ -27,7 +27,7 @@ pub fn midpoint_edges(mesh: &TetMesh) -> Vec<[u32; 2]> {
 }
 
 /// Adds the mid-edge nodes. Indices must be valid.
-pub fn promote(mesh: &TetMesh) -> QuadraticMesh {
+pub fn to_quadratic(mesh: &TetMesh) -> QuadraticMesh {
     let edges = midpoint_edges(mesh);
     let corners = mesh.nodes.len();
     let mut nodes = mesh.nodes.clone();

@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use crate::Aabb;
 use crate::mesh::disjoint_sets::DisjointSets;
-use crate::mesh::topology::sides;
-use crate::mesh::{TriMesh, show};
-use base::number::counted;
+use crate::mesh::topology::half_edges;
+use crate::mesh::{TriMesh, format_point};
+use base::number::format_count;
 
 /// Part of a surface whose triangles are connected across edges.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,13 +25,13 @@ pub struct Shell {
 /// Returns the shells of `mesh`, in the order of their first triangles. Indices must be valid.
 pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
     let mut joined = DisjointSets::new(mesh.triangles.len());
-    for pair in sides(mesh).windows(2).filter(|p| p[0].ends == p[1].ends) {
-        joined.join([pair[0].triangle, pair[1].triangle]);
+    for pair in half_edges(mesh).windows(2).filter(|p| p[0].ends == p[1].ends) {
+        joined.union([pair[0].triangle, pair[1].triangle]);
     }
     let mut shell_of = BTreeMap::new();
     let mut shells: Vec<Shell> = Vec::new();
     for t in 0..mesh.triangles.len() as u32 {
-        let at = *shell_of.entry(joined.root(t)).or_insert(shells.len());
+        let at = *shell_of.entry(joined.find(t)).or_insert(shells.len());
         if at == shells.len() {
             shells.push(Shell { triangles: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY });
         }
@@ -52,7 +52,7 @@ pub fn shells(mesh: &TriMesh) -> Vec<Shell> {
 /// Flips triangles so that all triangles of a shell are oriented consistently, as the majority of them, where that is
 /// possible. Returns the number of flipped triangles. Indices must be valid.
 pub fn orient_consistently(mesh: &mut TriMesh) -> usize {
-    let sides = sides(mesh);
+    let sides = half_edges(mesh);
     let mut across = vec![[None; 3]; mesh.triangles.len()];
     for group in sides.chunk_by(|x, y| x.ends == y.ends) {
         if let [one, two] = group {
@@ -151,10 +151,10 @@ pub(crate) fn flat_shell(mesh: &TriMesh) -> Option<String> {
     let what = if shells.len() == 1 {
         "it".into()
     } else {
-        format!("a part of {}", counted(flat.triangles.len(), "triangle"))
+        format!("a part of {}", format_count(flat.triangles.len(), "triangle"))
     };
     Some(format!(
         "the object's mesh: {what} is closed but encloses no volume, about {}; give it a thickness or remove it",
-        show(flat.bounds.center())
+        format_point(flat.bounds.center())
     ))
 }

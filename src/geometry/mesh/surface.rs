@@ -1,6 +1,6 @@
 //! Boundary of a tetrahedral mesh: the faces that belong to one tetrahedron only.
 
-use crate::mesh::{TetMesh, TriMesh, show};
+use crate::mesh::{TetMesh, TriMesh, format_point};
 use base::error::{Error, Result};
 
 /// Faces of a tetrahedron of positive volume, counter-clockwise seen from outside; face k is opposite corner k.
@@ -69,7 +69,7 @@ pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {
 ///
 /// # Errors
 /// Returns [`Error::Mesh`] with the nodes, the tetrahedra and the position of the face.
-pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
+pub(crate) fn check_manifold(mesh: &TetMesh) -> Result<()> {
     // The parity of the permutation from the sorted nodes to the outward order of a face determines its side.
     let even = |t: u32, k: u8| {
         let face = FACES[usize::from(k)].map(|c| mesh.tets[t as usize][c]);
@@ -89,7 +89,7 @@ pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
         "the face of nodes {:?} at {} is shared by {} tetrahedra ({}){what}: the mesh overlaps itself or contains a \
          tetrahedron twice",
         group[0].0,
-        show(corners.iter().sum::<glam::DVec3>() / 3.0),
+        format_point(corners.iter().sum::<glam::DVec3>() / 3.0),
         group.len(),
         tets.join(", ")
     )))
@@ -97,7 +97,7 @@ pub(crate) fn refuse_non_manifold(mesh: &TetMesh) -> Result<()> {
 
 /// Returns the index of the connected part of each tetrahedron, and the number of parts. Tetrahedra that share a face
 /// belong to one part; parts are numbered in the order of their first tetrahedra. Indices must be valid.
-pub(crate) fn parts(mesh: &TetMesh) -> (Vec<u32>, usize) {
+pub(crate) fn connected_components(mesh: &TetMesh) -> (Vec<u32>, usize) {
     let faces = sorted_faces(mesh);
     let mut beside = vec![Vec::new(); mesh.tets.len()];
     for group in faces.chunk_by(|a, b| a.0 == b.0) {

@@ -8,13 +8,13 @@ use crate::mesh::{TriMesh, clean};
 /// Report on the edges of a triangle mesh. An edge is valid if exactly two triangles share it and traverse it in
 /// opposite directions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Watertight {
+pub struct EdgeReport {
     /// Edges with one triangle: the rims of holes.
-    pub open: Faulty,
+    pub boundary: FaultyEdges,
     /// Edges with three or more triangles.
-    pub crowded: Faulty,
+    pub non_manifold: FaultyEdges,
     /// Edges that both triangles traverse in the same direction.
-    pub twisted: Faulty,
+    pub inconsistent: FaultyEdges,
     /// Number of triangles.
     pub triangles: usize,
     /// Number of components connected through shared vertices.
@@ -26,29 +26,29 @@ pub struct Watertight {
 
 /// Edges with the same fault.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Faulty {
+pub struct FaultyEdges {
     /// Number of edges.
     pub count: usize,
     /// End points of the first edge, m.
     pub first: Option<[DVec3; 2]>,
 }
 
-impl Faulty {
+impl FaultyEdges {
     fn add(&mut self, ends: [DVec3; 2]) {
         self.count += 1;
         self.first.get_or_insert(ends);
     }
 }
 
-impl Watertight {
+impl EdgeReport {
     /// Returns true if the surface is closed and consistently oriented and faces outwards.
     pub fn is_solid(&self) -> bool {
-        self.complaint().is_none()
+        self.defect_message().is_none()
     }
 
     /// Returns the first fault and its remedy, in one sentence; None for a solid.
-    pub fn complaint(&self) -> Option<String> {
-        let (open, crowded, twisted) = (&self.open, &self.crowded, &self.twisted);
+    pub fn defect_message(&self) -> Option<String> {
+        let (open, crowded, twisted) = (&self.boundary, &self.non_manifold, &self.inconsistent);
         let faults = [
             (open, "is open: {} with one triangle only", "fill the holes, or weld vertices that are repeated"),
             (
@@ -61,7 +61,7 @@ impl Watertight {
         for (edges, what, cure) in faults {
             if let Some([a, b]) = edges.first {
                 let number = format!("{} edge{}", edges.count, if edges.count == 1 { "" } else { "s" });
-                let (what, a, b) = (what.replace("{}", &number), super::show(a), super::show(b));
+                let (what, a, b) = (what.replace("{}", &number), super::format_point(a), super::format_point(b));
                 return Some(format!("the surface {what}, the first from {a} to {b}; {cure}"));
             }
         }
@@ -77,7 +77,7 @@ impl Watertight {
 
 /// Side of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Side {
+pub(crate) struct HalfEdge {
     /// End vertices of its edge, the smaller first.
     pub ends: [u32; 2],
     /// True if the side is directed from the larger vertex to the smaller.
@@ -89,12 +89,12 @@ pub(crate) struct Side {
 }
 
 /// Returns the sides of all triangles, sorted such that those of the same edge are adjacent.
-pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
+pub(crate) fn half_edges(mesh: &TriMesh) -> Vec<HalfEdge> {
     let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
     for (c, triangle) in mesh.triangles.iter().zip(0..) {
         for corner in 0..3_u8 {
             let (a, b) = (c[usize::from(corner)], c[(usize::from(corner) + 1) % 3]);
-            sides.push(Side { ends: [a.min(b), a.max(b)], reversed: a > b, triangle, corner });
+            sides.push(HalfEdge { ends: [a.min(b), a.max(b)], reversed: a > b, triangle, corner });
         }
     }
     sides.sort_unstable();
@@ -102,22 +102,22 @@ pub(crate) fn sides(mesh: &TriMesh) -> Vec<Side> {
 }
 
 /// Examines the edges of `mesh`. Indices must be valid.
-pub fn watertight(mesh: &TriMesh) -> Watertight {
-    let mut report = Watertight {
-        open: Faulty::default(),
-        crowded: Faulty::default(),
-        twisted: Faulty::default(),
+pub fn check_edges(mesh: &TriMesh) -> EdgeReport {
+    let mut report = EdgeReport {
+        boundary: FaultyEdges::default(),
+        non_manifold: FaultyEdges::default(),
+        inconsistent: FaultyEdges::default(),
         triangles: mesh.triangles.len(),
         components: components(mesh),
         signed_volume: signed_volume(mesh),
     };
-    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+    for group in half_edges(mesh).chunk_by(|x, y| x.ends == y.ends) {
         let ends = group[0].ends.map(|v| mesh.vertices[v as usize]);
         match group {
-            [_] => report.open.add(ends),
-            [one, two] if one.reversed == two.reversed => report.twisted.add(ends),
+            [_] => report.boundary.add(ends),
+            [one, two] if one.reversed == two.reversed => report.inconsistent.add(ends),
             [_, _] => {}
-            _ => report.crowded.add(ends),
+            _ => report.non_manifold.add(ends),
         }
     }
     report
@@ -128,10 +128,10 @@ fn components(mesh: &TriMesh) -> usize {
     let (mut pieces, mut used) = (DisjointSets::new(mesh.vertices.len()), vec![false; mesh.vertices.len()]);
     for &[a, b, c] in &mesh.triangles {
         [a, b, c].into_iter().for_each(|i| used[i as usize] = true);
-        pieces.join([a, b]);
-        pieces.join([a, c]);
+        pieces.union([a, b]);
+        pieces.union([a, c]);
     }
-    (0..used.len() as u32).filter(|i| used[*i as usize] && pieces.root(*i) == *i).count()
+    (0..used.len() as u32).filter(|i| used[*i as usize] && pieces.find(*i) == *i).count()
 }
 
 /// Computes the signed volume, m^3, as a sum of tetrahedra from the first vertex, which avoids cancellation for a
@@ -160,13 +160,13 @@ pub struct Welded {
 pub fn weld(mesh: &mut TriMesh) -> Welded {
     let (vertices, triangles) = (mesh.vertices.len(), mesh.triangles.len());
     let first = clean::first_equal(&mesh.vertices);
-    collapse(mesh, &first);
+    merge_vertices(mesh, &first);
     Welded { vertices: vertices - mesh.vertices.len(), triangles: triangles - mesh.triangles.len() }
 }
 
 /// Replaces each vertex `v` by vertex `first[v]`, and drops triangles left with a repeated vertex, then unused
 /// vertices.
-pub(crate) fn collapse(mesh: &mut TriMesh, first: &[u32]) {
+pub(crate) fn merge_vertices(mesh: &mut TriMesh, first: &[u32]) {
     for i in mesh.triangles.iter_mut().flatten() {
         *i = first[*i as usize];
     }

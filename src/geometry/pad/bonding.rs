@@ -3,7 +3,7 @@
 use crate::mesh::{TetMesh, TriMesh};
 use crate::shape::SurfaceDistance;
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -49,13 +49,13 @@ impl Bonding {
     /// # Errors
     /// Fails with [`Error::Mesh`] for a distance that is negative or not finite, an index out of range, and if no node
     /// or every node is bonded.
-    pub(super) fn choose(&self, mesh: &TetMesh, outward: DVec3) -> Result<Vec<bool>> {
+    pub(super) fn bonded_nodes(&self, mesh: &TetMesh, outward: DVec3) -> Result<Vec<bool>> {
         let bonded: Vec<bool> = match self {
-            Bonding::Nodes(list) => listed(list, mesh.nodes.len())?,
+            Bonding::Nodes(list) => flags_of_list(list, mesh.nodes.len())?,
             Bonding::Plane { within, .. } | Bonding::Surface { within, .. } => {
                 if !(within.is_finite() && *within >= 0.0) {
                     let message =
-                        format!("the attach distance is {} m; a length of 0 or more is needed", shown(*within));
+                        format!("the attach distance is {} m; a length of 0 or more is needed", format_number(*within));
                     return Err(Error::Mesh(message));
                 }
                 // Rounding must not exclude nodes on the plane or on the surface.
@@ -69,8 +69,8 @@ impl Bonding {
                         "no node of the pad is bonded to the finger: the nearest of its {} nodes is {} m from the \
                          {what}, and nodes within {} m are bonded",
                         mesh.nodes.len(),
-                        shown(nearest),
-                        shown(*within)
+                        format_number(nearest),
+                        format_number(*within)
                     )));
                 }
                 bonded
@@ -103,7 +103,7 @@ impl Bonding {
             }
             Bonding::Surface { surface, .. } => {
                 let distance = SurfaceDistance::new(surface);
-                (mesh.nodes.iter().map(|p| distance.outside(*p)).collect(), distance.size())
+                (mesh.nodes.iter().map(|p| distance.distance(*p)).collect(), distance.size())
             }
             Bonding::Nodes(_) => (Vec::new(), 0.0),
         }
@@ -111,7 +111,7 @@ impl Bonding {
 }
 
 /// Returns a flag per node, true for those of the list.
-fn listed(list: &[usize], count: usize) -> Result<Vec<bool>> {
+fn flags_of_list(list: &[usize], count: usize) -> Result<Vec<bool>> {
     let mut bonded = vec![false; count];
     for i in list {
         let Some(flag) = bonded.get_mut(*i) else {

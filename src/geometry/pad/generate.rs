@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 use crate::mesh::{TetMesh, grid};
 use crate::pad::{Density, PadMesh, Resolution, dome};
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 
 /// Largest side of a generated pad, m.
 pub const MAX_SIZE: f64 = 10.0;
 
 /// Size of the GelSight Mini gel along x, y and z, m.
-pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF[0], 2.0 * dome::HALF[1], dome::THICKNESS];
+pub const GELSIGHT_MINI: [f64; 3] = [2.0 * dome::HALF_SIZE[0], 2.0 * dome::HALF_SIZE[1], dome::THICKNESS];
 
 /// Profile of the sensing face of the GelSight Mini gel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
@@ -31,9 +31,9 @@ pub fn box_pad(size_x: f64, size_y: f64, thickness: f64, resolution: &Resolution
     check_lengths(&[("size_x", size_x), ("size_y", size_y), ("thickness", thickness)])?;
     let cells = resolution.cells_for([size_x, size_y, thickness])?;
     let scaled = |lines: Vec<f64>, by: f64| lines.into_iter().map(|t| t * by).collect::<Vec<f64>>();
-    let xs = scaled(resolution.across(cells[0]), 0.5 * size_x);
-    let ys = scaled(resolution.across(cells[1]), 0.5 * size_y);
-    let zs = scaled(resolution.through(cells[2]), thickness);
+    let xs = scaled(resolution.lateral_grid_lines(cells[0]), 0.5 * size_x);
+    let ys = scaled(resolution.lateral_grid_lines(cells[1]), 0.5 * size_y);
+    let zs = scaled(resolution.layer_grid_lines(cells[2]), thickness);
     Ok(bonded_at_back(grid::structured([&xs, &ys, &zs])?, cells))
 }
 
@@ -57,8 +57,8 @@ pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<
         )));
     }
     let cells = resolution.cells_for([2.0 * radius, 2.0 * radius, thickness])?;
-    let across = resolution.across(cells[0]);
-    let zs: Vec<f64> = resolution.through(cells[2]).into_iter().map(|t| t * thickness).collect();
+    let across = resolution.lateral_grid_lines(cells[0]);
+    let zs: Vec<f64> = resolution.layer_grid_lines(cells[2]).into_iter().map(|t| t * thickness).collect();
     let mut mesh = grid::structured([&across, &across, &zs])?;
     for p in &mut mesh.nodes {
         let (x, y) = square_to_disc(p.x, p.y);
@@ -107,7 +107,7 @@ fn check_lengths(lengths: &[(&str, f64)]) -> Result<()> {
     match lengths.iter().find(|(_, l)| !(*l > 0.0 && *l <= MAX_SIZE)) {
         None => Ok(()),
         Some((name, l)) => {
-            Err(Error::Mesh(format!("pad {name} is {} m; allowed: above 0, up to {MAX_SIZE} m", shown(*l))))
+            Err(Error::Mesh(format!("pad {name} is {} m; allowed: above 0, up to {MAX_SIZE} m", format_number(*l))))
         }
     }
 }

@@ -8,7 +8,7 @@ pub mod dome;
 pub mod generate;
 pub mod place;
 pub mod resolution;
-mod sound;
+mod validity;
 
 pub use bonding::Bonding;
 pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};

@@ -6,12 +6,12 @@ use glam::{DMat3, DVec3};
 
 use crate::mesh::io::{self, text};
 use crate::mesh::{TetMesh, clean};
-use crate::pad::{Bonding, PadMesh, free_faces, looks_along, sound};
+use crate::pad::{Bonding, PadMesh, free_faces, looks_along, validity};
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 
 /// Size of a pad above which a notice is given, m: its file is probably in millimetres.
-pub const UNLIKELY_SIZE: f64 = 0.5;
+pub const SUSPICIOUS_SIZE: f64 = 0.5;
 
 /// Placement of a mesh, given in an arbitrary frame, as a pad.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,8 +38,8 @@ pub fn from_mesh(mesh: TetMesh, placement: &PadPlacement) -> Result<PadMesh> {
     let [x, y, z] = axes(placement)?;
     // Rows are the axes of the pad: the rotation maps from the frame of the mesh to that of the pad.
     let rotation = DMat3::from_cols(x, y, z).transpose();
-    let bonded = placement.bonding.choose(&mesh, z)?;
-    sound::check(&mesh, &bonded)?;
+    let bonded = placement.bonding.bonded_nodes(&mesh, z)?;
+    validity::check(&mesh, &bonded)?;
     let mut mesh = mesh;
     for p in &mut mesh.nodes {
         *p = rotation * *p;
@@ -120,11 +120,11 @@ pub fn read_pad_group(
     let low = pad.mesh.nodes.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = pad.mesh.nodes.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let size = (high - low).max_element();
-    if size > UNLIKELY_SIZE {
+    if size > SUSPICIOUS_SIZE {
         notices.push(format!(
             "{}: the pad is {} m long; coordinates are taken as metres: is it in mm?",
             path.display(),
-            shown(size)
+            format_number(size)
         ));
     }
     Ok((pad, notices))
@@ -152,7 +152,7 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
             None => {
                 let allowed = count.saturating_sub(1);
                 let message = format!("node index {value}, but the mesh has {count} nodes; allowed: 0..={allowed}");
-                return Err(text::at(path, *word, message));
+                return Err(text::word_error(path, *word, message));
             }
             Some(s) if *s => {
                 let message = format!(
@@ -160,7 +160,7 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
                      {count} nodes (found {} numbers)",
                     values.len()
                 );
-                return Err(text::at(path, *word, message));
+                return Err(text::word_error(path, *word, message));
             }
             Some(s) => *s = true,
         }
@@ -173,7 +173,7 @@ pub fn read_nodes(path: impl AsRef<Path>, count: usize) -> Result<Vec<usize>> {
 
 /// Returns a direction as text for messages.
 fn vector(v: DVec3) -> String {
-    format!("({}, {}, {})", shown(v.x), shown(v.y), shown(v.z))
+    format!("({}, {}, {})", format_number(v.x), format_number(v.y), format_number(v.z))
 }
 
 /// Returns the pad's unit axes in the frame of the mesh.

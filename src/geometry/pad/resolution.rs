@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::mesh::{MAX_COUNT, grid};
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 
 /// Largest thickness of the layer at the sensing face, in spacings.
 pub const LAYER_ASPECT: f64 = 1.3;
@@ -65,7 +65,7 @@ impl Resolution {
     pub fn cells_for(&self, size: [f64; 3]) -> Result<[usize; 3]> {
         for (name, ratio) in [("grading", self.grading), ("focus", self.focus)] {
             if !(1.0..=MAX_RATIO).contains(&ratio) {
-                let found = shown(ratio);
+                let found = format_number(ratio);
                 return Err(Error::Mesh(format!("pad {name} is {found}; allowed: 1 (uniform) to {MAX_RATIO}")));
             }
         }
@@ -73,7 +73,7 @@ impl Resolution {
             Density::Cells(cells) => cells,
             Density::Spacing(spacing) => {
                 if !(spacing.is_finite() && spacing > 0.0) {
-                    let found = shown(spacing);
+                    let found = format_number(spacing);
                     return Err(Error::Mesh(format!("pad spacing is {found} m; a positive length is needed")));
                 }
                 // At the centre a cell is 1 / (1 + beta) of the uniform width, see `across`.
@@ -104,7 +104,7 @@ impl Resolution {
 
     /// Returns the width of the cells at the distance `at` from the centre, in half widths of the pad, over the width
     /// at the centre.
-    pub fn widening(focus: f64, at: f64) -> f64 {
+    pub fn width_ratio(focus: f64, at: f64) -> f64 {
         let (beta, mut low, mut high) = (beta(focus), 0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
@@ -115,13 +115,13 @@ impl Resolution {
 
     /// Returns the grid lines of `cells` cells over [-1, 1], exactly symmetric about 0:
     /// `t (1 + beta t^2) / (1 + beta)`, whose slope at the rim is `focus` times that at the centre.
-    pub(crate) fn across(&self, cells: usize) -> Vec<f64> {
+    pub(crate) fn lateral_grid_lines(&self, cells: usize) -> Vec<f64> {
         let beta = self.beta();
         (0..=cells).map(|i| line(beta, (2.0 * i as f64 - cells as f64) / cells as f64)).collect()
     }
 
     /// Returns the grid lines of `layers` layers over [-1, 0], from the bonded face (-1) to the sensing face (0).
-    pub(crate) fn through(&self, layers: usize) -> Vec<f64> {
+    pub(crate) fn layer_grid_lines(&self, layers: usize) -> Vec<f64> {
         let mut depth = vec![0.0];
         let (mut sum, mut layer) = (0.0, 1.0);
         for _ in 0..layers {
@@ -156,10 +156,10 @@ mod tests {
 
     #[test]
     fn cells_are_as_wide_as_the_grid_lines_say() {
-        let lines = Resolution::cells([1; 3]).with_focus(2.0).across(2000);
+        let lines = Resolution::cells([1; 3]).with_focus(2.0).lateral_grid_lines(2000);
         let ratio = |k: usize| (lines[k + 1] - lines[k]) / (lines[1001] - lines[1000]);
         for k in [1000, 1300, 1600, 1999] {
-            let found = Resolution::widening(2.0, lines[k]);
+            let found = Resolution::width_ratio(2.0, lines[k]);
             assert!((found - ratio(k)).abs() < 5e-3, "{found} for {}", ratio(k));
         }
     }

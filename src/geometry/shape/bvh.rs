@@ -104,7 +104,7 @@ impl Bvh {
         let mut stack = vec![0_u32];
         while let Some(at) = stack.pop() {
             let node = &self.nodes[at as usize];
-            if !node.bounds.meets(bounds) {
+            if !node.bounds.intersects(bounds) {
                 continue;
             }
             if node.count == 0 {
@@ -116,13 +116,13 @@ impl Bvh {
     }
 
     /// Returns `t` and the index of the first facet through which the ray `o + t d` enters.
-    pub fn enter(&self, o: DVec3, d: DVec3) -> Option<(f64, u32)> {
+    pub fn ray_entry(&self, o: DVec3, d: DVec3) -> Option<(f64, u32)> {
         let inverse = d.recip();
         let mut best = (f64::INFINITY, u32::MAX);
         let mut stack = vec![0_u32];
         while let Some(at) = stack.pop() {
             let node = self.nodes[at as usize];
-            if node.bounds.ray(o, inverse, best.0).is_none() {
+            if node.bounds.ray_entry(o, inverse, best.0).is_none() {
                 continue;
             }
             if node.count == 0 {
@@ -130,7 +130,7 @@ impl Bvh {
                 continue;
             }
             for i in node.first..node.first + node.count {
-                if let Some(t) = self.facets[i as usize].enter(o, d)
+                if let Some(t) = self.facets[i as usize].ray_entry(o, d)
                     && t < best.0
                 {
                     best = (t, i);
@@ -155,7 +155,7 @@ fn half_area(b: &Aabb) -> f64 {
 
 /// Reorders `items` into two parts and returns the length of the first; neither part is empty.
 fn split(items: &mut [(Aabb, DVec3, u32)], depth: usize) -> usize {
-    let centers = Aabb::of(items.iter().map(|i| i.1));
+    let centers = Aabb::from_points(items.iter().map(|i| i.1));
     let size = centers.size();
     let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
     let bin = |c: DVec3| (((c[axis] - centers.min[axis]) / size[axis] * BINS as f64) as usize).min(BINS - 1);

@@ -1,7 +1,7 @@
 //! Signed distance to a capsule.
 
 use crate::shape::sphere::point_curvature;
-use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Capsule: all points within `radius` of the segment of half length `half` along z.
@@ -19,7 +19,7 @@ impl SignedDistance for Capsule {
     }
 
     #[inline]
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let away = q - DVec3::Z * q.z.clamp(-self.half, self.half);
         let r = away.length();
         let distance = r - self.radius;
@@ -34,7 +34,7 @@ impl SignedDistance for Capsule {
         } else {
             DMat3::ZERO
         };
-        Some(Closest { distance, normal, curvature })
+        Some(SurfacePoint { distance, normal, curvature })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

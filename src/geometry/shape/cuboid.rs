@@ -1,6 +1,6 @@
 //! Signed distance to a box, with sharp or rounded edges.
 
-use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Box about the origin: all points within `radius` of the core box of half sizes `core`.
@@ -19,7 +19,7 @@ impl SignedDistance for Cuboid {
     }
 
     #[inline]
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let w = q.abs() - self.core;
         if !(w.max_element() - self.radius < max) {
             return None;
@@ -42,7 +42,7 @@ impl SignedDistance for Cuboid {
             let axis = w.max_position();
             (w[axis] - self.radius, DVec3::AXES[axis] * sign, DMat3::ZERO)
         };
-        (distance < max).then_some(Closest { distance, normal, curvature })
+        (distance < max).then_some(SurfacePoint { distance, normal, curvature })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -1,6 +1,6 @@
 //! Signed distance to a circular cylinder with flat ends.
 
-use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Cylinder along z about the origin.
@@ -19,7 +19,7 @@ impl SignedDistance for Cylinder {
     }
 
     #[inline]
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let rho = q.x.hypot(q.y);
         // Signed distances to the lateral surface and to the nearer end plane.
         let (s, e) = (rho - self.radius, q.z.abs() - self.half);
@@ -41,7 +41,7 @@ impl SignedDistance for Cylinder {
         } else {
             (e, axial, DMat3::ZERO)
         };
-        (distance < max).then_some(Closest { distance, normal, curvature })
+        (distance < max).then_some(SurfacePoint { distance, normal, curvature })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

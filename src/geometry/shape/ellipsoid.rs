@@ -6,7 +6,7 @@
 //! (More and Sorensen 1983, eq. 3.10), which is almost linear, converges in a few steps and is safeguarded by
 //! bisection.
 
-use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Ellipsoid about the origin, with its axes along x, y, z.
@@ -104,7 +104,7 @@ impl SignedDistance for Ellipsoid {
         self.project(q).1
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         if !(self.at_least(q) < max || max <= 0.0) {
             return None;
         }
@@ -119,7 +119,7 @@ impl SignedDistance for Ellipsoid {
         let carry = DMat3::IDENTITY + shape * distance;
         // The distance is not differentiable on the medial surface.
         let curvature = if carry.determinant().abs() > 1e-9 { shape * carry.inverse() } else { DMat3::ZERO };
-        Some(Closest { distance, normal, curvature })
+        Some(SurfacePoint { distance, normal, curvature })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

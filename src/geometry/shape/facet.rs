@@ -5,8 +5,8 @@
 //! contains that point, so only these edges are evaluated.
 
 use crate::Aabb;
-use crate::mesh::facets::FLAT;
-use crate::mesh::rings::TrianglePart;
+use crate::mesh::adjacency::TrianglePart;
+use crate::mesh::facets::FLAT_RATIO;
 use glam::DVec3;
 
 /// Triangle with corners a = (0, 0), b = (bx, 0), c = (cx, cy > 0) in the frame (u, v) at `origin`.
@@ -34,7 +34,7 @@ impl Facet {
         let (a, b, c) = (p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]);
         let cross = (b - a).cross(c - a);
         let bx = (b - a).length();
-        if !(cross.length() > FLAT * bx * bx) {
+        if !(cross.length() > FLAT_RATIO * bx * bx) {
             return None;
         }
         let u = (b - a) / bx;
@@ -95,7 +95,7 @@ impl Facet {
     }
 
     /// Converts a part to the corner and edge indices of the mesh triangle.
-    pub fn in_mesh(&self, part: TrianglePart) -> TrianglePart {
+    pub fn mesh_part(&self, part: TrianglePart) -> TrianglePart {
         let turned = |i: usize| (i + self.turn as usize) % 3;
         match part {
             TrianglePart::Face => TrianglePart::Face,
@@ -105,7 +105,7 @@ impl Facet {
     }
 
     /// Returns the distance of the projection of `q` from the nearest edge line, m; negative outside the triangle.
-    pub fn margin(&self, q: DVec3) -> f64 {
+    pub fn edge_distance(&self, q: DVec3) -> f64 {
         let w = q - self.origin;
         let (x, y) = (self.u.dot(w), self.v.dot(w));
         let bc = (self.cy * (self.bx - x) + (self.cx - self.bx) * y) / self.cy.hypot(self.cx - self.bx);
@@ -146,7 +146,7 @@ impl Facet {
 
     /// Returns the parameter at which the ray `o + t d` crosses from the outside to the inside. A margin of the size of
     /// rounding errors prevents rays from passing between two adjacent triangles.
-    pub fn enter(&self, o: DVec3, d: DVec3) -> Option<f64> {
+    pub fn ray_entry(&self, o: DVec3, d: DVec3) -> Option<f64> {
         let (rate, w) = (self.n.dot(d), o - self.origin);
         if rate >= 0.0 {
             return None;
@@ -163,6 +163,6 @@ impl Facet {
 
     /// Returns the bounding box of the triangle; it may exceed the corners by rounding.
     pub fn aabb(&self) -> Aabb {
-        Aabb::of(self.corners())
+        Aabb::from_points(self.corners())
     }
 }

@@ -59,7 +59,7 @@ impl Lattice {
 
     /// Returns the data for a point; None outside the lattice (and for a point that is not finite).
     #[inline]
-    pub fn look(&self, q: DVec3) -> Option<LatticeCell> {
+    pub fn cell_at(&self, q: DVec3) -> Option<LatticeCell> {
         let at = (q - self.min) / self.step;
         if !(at.min_element() >= 0.0 && at.cmplt(self.counts.as_dvec3()).all()) {
             return None;

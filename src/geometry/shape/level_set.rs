@@ -8,7 +8,7 @@
 //! surface is continuous. Samples are stored only in blocks near the surface.
 
 use crate::Aabb;
-use crate::shape::{Closest, SignedDistance, outer};
+use crate::shape::{SignedDistance, SurfacePoint, outer};
 use glam::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ const MIN_OUTSIDE: f64 = 0.5;
 const MIN_GRADIENT: f64 = 0.3;
 /// Step of the closest-point iteration, over the spacing, at which it has converged: the next one would be of the size
 /// of rounding errors.
-const CONVERGED: f64 = 1e-8;
+const STEP_TOLERANCE: f64 = 1e-8;
 /// Maximum number of iterations for a closest point.
 const STEPS: usize = 12;
 
@@ -47,7 +47,7 @@ pub struct LevelSet {
     spacing: f64,
     /// Number of blocks along the axes.
     blocks: IVec3,
-    /// Index of the first coefficient of each block, divided by `BLOCK^3`; [`NONE`] far from the surface.
+    /// Index of the first coefficient of each block, divided by `BLOCK^3`; [`NO_BLOCK`] far from the surface.
     index: Vec<u32>,
     coefficients: Vec<f64>,
     /// Value of the spline on the surface, m.
@@ -57,7 +57,7 @@ pub struct LevelSet {
 }
 
 /// Index of a block that has no coefficients.
-const NONE: u32 = u32::MAX;
+const NO_BLOCK: u32 = u32::MAX;
 
 /// Value above the level of the surface, gradient and Hessian of the spline at a point.
 struct Jet {
@@ -71,7 +71,7 @@ impl LevelSet {
     /// (m) span its surface.
     pub fn new(base: Arc<dyn SignedDistance>, surface: &[DVec3], (center, axes): (DVec3, DMat3), spacing: f64) -> Self {
         let reach = (BAND + 3.0_f64.sqrt() * SUPPORT) * spacing;
-        let bounds = Aabb::of(surface.iter().map(|p| axes.transpose() * (*p - center)));
+        let bounds = Aabb::from_points(surface.iter().map(|p| axes.transpose() * (*p - center)));
         let origin = ((bounds.min - reach) / spacing).floor() * spacing;
         let blocks = ((bounds.max + reach - origin) / (f64::from(BLOCK) * spacing)).ceil().as_ivec3().max(IVec3::ONE);
         let half = 0.5 * f64::from(BLOCK - 1) * spacing;
@@ -87,7 +87,7 @@ impl LevelSet {
             (0..BLOCK.pow(3)).map(move |i| center + axes * (at + node(i) * spacing))
         };
         let coefficients = close.par_iter().flat_map_iter(|b| nodes(*b)).map(|node| base.distance(node)).collect();
-        let mut index = vec![NONE; blocks.element_product() as usize];
+        let mut index = vec![NO_BLOCK; blocks.element_product() as usize];
         close.iter().zip(0..).for_each(|(b, i)| index[*b as usize] = i);
         Self { base, axes, center, origin, spacing, blocks, index, coefficients, level: 0.0, deviation: 0.0 }
     }
@@ -114,12 +114,12 @@ impl LevelSet {
     }
 
     /// Surface point closest to `q`, which must be near the surface, and its data; None if the search fails.
-    pub fn project(&self, q: DVec3) -> Option<(DVec3, Closest)> {
+    pub fn project(&self, q: DVec3) -> Option<(DVec3, SurfacePoint)> {
         self.project_from(q, self.jet(q)?)
     }
 
     /// As [`LevelSet::project`], given the spline's values at `q`.
-    fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, Closest)> {
+    fn project_from(&self, q: DVec3, mut jet: Jet) -> Option<(DVec3, SurfacePoint)> {
         let slope = jet.gradient.length_squared();
         if slope < MIN_GRADIENT * MIN_GRADIENT || jet.value.abs() > 2.0 * BAND * self.spacing {
             return None;
@@ -138,7 +138,7 @@ impl LevelSet {
             }
             (c, lambda) = (c + step, lambda + change);
             jet = self.jet(c)?;
-            if step.length() <= CONVERGED * self.spacing {
+            if step.length() <= STEP_TOLERANCE * self.spacing {
                 break;
             }
         }
@@ -153,12 +153,12 @@ impl LevelSet {
         let shape = tangent * jet.hessian * tangent * size.recip();
         // A parallel surface has the same lines of curvature; its radii of curvature are larger by the distance.
         let curvature = (DMat3::IDENTITY + shape * distance).inverse() * shape;
-        Some((c, Closest { distance, normal, curvature }))
+        Some((c, SurfacePoint { distance, normal, curvature }))
     }
 
     /// Closest point data of `q` if it lies in the band around the surface; of first order where the search fails, as
     /// on a medial axis.
-    fn near(&self, q: DVec3) -> Option<Closest> {
+    fn closest_in_band(&self, q: DVec3) -> Option<SurfacePoint> {
         let jet = self.jet(q)?;
         let size = jet.gradient.length();
         let distance = jet.value / size;
@@ -166,7 +166,7 @@ impl LevelSet {
         if !(distance.abs() <= BAND * self.spacing) {
             return None;
         }
-        let first_order = Closest { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
+        let first_order = SurfacePoint { distance, normal: jet.gradient / size, curvature: DMat3::ZERO };
         Some(self.project_from(q, jet).map_or(first_order, |(_, closest)| closest))
     }
 
@@ -244,8 +244,8 @@ impl SignedDistance for LevelSet {
         self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
-        if let Some(closest) = self.near(q) {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
+        if let Some(closest) = self.closest_in_band(q) {
             return (closest.distance < max).then_some(closest);
         }
         let base = self.base.closest(q, max + self.deviation)?;
@@ -253,7 +253,7 @@ impl SignedDistance for LevelSet {
         // the band.
         let size = (base.distance.abs() - self.deviation).max(MIN_OUTSIDE * BAND * self.spacing);
         let distance = size.copysign(self.height(q).unwrap_or(base.distance));
-        (distance < max).then_some(Closest { distance, ..base })
+        (distance < max).then_some(SurfacePoint { distance, ..base })
     }
 
     fn support(&self, direction: DVec3) -> Option<DVec3> {

@@ -5,12 +5,12 @@
 //! the start of each search and rejects distant points by the Lipschitz bound, without a traversal of the tree.
 
 use crate::mesh::TriMesh;
-use crate::mesh::rings::{SurfacePart, TriangleAdjacency, TrianglePart, TrianglePosition};
+use crate::mesh::adjacency::{SurfacePart, TriangleAdjacency, TrianglePart, TrianglePosition};
 use crate::shape::bvh::Bvh;
 use crate::shape::facet::Facet;
 use crate::shape::lattice::Lattice;
 use crate::shape::topology::Topology;
-use crate::shape::{Closest, ContactPoints, Hit, SignedDistance, outer};
+use crate::shape::{ContactPoints, Hit, SignedDistance, SurfacePoint, outer};
 use base::error::Result;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -65,14 +65,14 @@ impl MeshDistance {
 
     /// Returns distance and gradient, given the index of the facet closest to `q`.
     #[inline]
-    fn signed(&self, q: DVec3, facet: u32) -> Closest {
+    fn signed(&self, q: DVec3, facet: u32) -> SurfacePoint {
         let f = &self.bvh.facets[facet as usize];
         let corners = self.mesh.triangles[f.triangle as usize];
         let corner = |i: usize| corners[(i + f.turn as usize) % 3] as usize;
         let (point, pseudo) = match f.nearest(q).1 {
             // On a face the distance from the plane and its normal are exact.
             TrianglePart::Face => {
-                return Closest { distance: f.n.dot(q - f.origin), normal: f.n, curvature: DMat3::ZERO };
+                return SurfacePoint { distance: f.n.dot(q - f.origin), normal: f.n, curvature: DMat3::ZERO };
             }
             TrianglePart::Edge(i) => {
                 let (a, b) = (self.mesh.vertices[corner(i)], self.mesh.vertices[corner(i + 1)]);
@@ -87,13 +87,13 @@ impl MeshDistance {
         let (length, inside) = (away.length(), away.dot(pseudo) < 0.0);
         let distance = if inside { -length } else { length };
         let normal = if length < COINCIDENT { pseudo } else { away / distance };
-        Closest { distance, normal, curvature: DMat3::ZERO }
+        SurfacePoint { distance, normal, curvature: DMat3::ZERO }
     }
 
     /// Returns the closest point of the surface if its signed distance is below `max`, and its facet.
     #[inline]
-    fn signed_within(&self, q: DVec3, max: f64) -> Option<(Closest, u32)> {
-        let (seed, limit) = match self.lattice.look(q) {
+    fn signed_within(&self, q: DVec3, max: f64) -> Option<(SurfacePoint, u32)> {
+        let (seed, limit) = match self.lattice.cell_at(q) {
             Some(cell) if cell.at_least >= max => return None,
             // If `q` is outside for certain, distances beyond `max` are irrelevant. Otherwise it may be deep inside,
             // below any `max`.
@@ -119,10 +119,10 @@ impl MeshDistance {
 
     /// Returns the surface points other than the closest one, which is on `facet`, that interact with `q` within the
     /// distance `felt` (m), with their weights: near a concave edge, the closest point on the other incident face.
-    fn beside(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(Closest, f64)> {
+    fn additional_points(&self, q: DVec3, facet: u32, felt: f64) -> Vec<(SurfacePoint, f64)> {
         let f = &self.bvh.facets[facet as usize];
         let (_, nearest) = f.nearest(q);
-        if nearest == TrianglePart::Face && f.margin(q) > 2.0 * felt {
+        if nearest == TrianglePart::Face && f.edge_distance(q) > 2.0 * felt {
             return Vec::new();
         }
         let view = |t: u32| {
@@ -130,17 +130,17 @@ impl MeshDistance {
             match other.nearest_within(q, felt * felt) {
                 (squared, _) if squared >= felt * felt => TrianglePosition::Beyond,
                 (_, TrianglePart::Face) if other.n.dot(q - other.origin) < 0.0 => TrianglePosition::Behind,
-                (_, part) => TrianglePosition::At(other.in_mesh(part)),
+                (_, part) => TrianglePosition::At(other.mesh_part(part)),
             }
         };
-        let along = |t, i| self.along(q, t, i).1;
-        let others = self.rings.beside(f.triangle, f.in_mesh(nearest), view, along).into_iter();
-        others.filter_map(|(place, weight)| Some((self.outside(q, place)?, weight))).collect()
+        let along = |t, i| self.closest_on_edge(q, t, i).1;
+        let others = self.rings.additional_parts(f.triangle, f.mesh_part(nearest), view, along).into_iter();
+        others.filter_map(|(place, weight)| Some((self.surface_point(q, place)?, weight))).collect()
     }
 
     /// Returns the point of edge `i` of triangle `t` that is closest to `q`, and the part of the triangle that contains
     /// it.
-    fn along(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
+    fn closest_on_edge(&self, q: DVec3, t: u32, i: usize) -> (DVec3, TrianglePart) {
         let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
         let s = (q - a).dot(b - a) / (b - a).length_squared();
         let part = if s <= 0.0 {
@@ -154,23 +154,23 @@ impl MeshDistance {
     }
 
     /// Returns closest point data for a part of the surface that faces `q`.
-    fn outside(&self, q: DVec3, place: SurfacePart) -> Option<Closest> {
+    fn surface_point(&self, q: DVec3, place: SurfacePart) -> Option<SurfacePoint> {
         let (point, turning) = match place {
             SurfacePart::Face(t) => {
                 let f = &self.bvh.facets[self.facet[t as usize] as usize];
                 let distance = f.n.dot(q - f.origin);
-                return Some(Closest { distance, normal: f.n, curvature: DMat3::ZERO });
+                return Some(SurfacePoint { distance, normal: f.n, curvature: DMat3::ZERO });
             }
             SurfacePart::Edge(e) => {
-                let (t, i) = self.rings.owner(e);
+                let (t, i) = self.rings.triangle_of_edge(e);
                 let [a, b] = [i, (i + 1) % 3].map(|k| self.mesh.corners(t as usize)[k]);
-                (self.along(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
+                (self.closest_on_edge(q, t, i).0, DMat3::IDENTITY - outer((b - a).normalize()))
             }
             SurfacePart::Corner(v) => (self.mesh.vertices[v as usize], DMat3::IDENTITY),
         };
         let distance = q.distance(point);
         let normal = (q - point).try_normalize()?;
-        Some(Closest { distance, normal, curvature: (turning - outer(normal)) * distance.recip() })
+        Some(SurfacePoint { distance, normal, curvature: (turning - outer(normal)) * distance.recip() })
     }
 }
 
@@ -179,19 +179,19 @@ impl SignedDistance for MeshDistance {
         self.closest(q, f64::INFINITY).map_or(f64::NAN, |c| c.distance)
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         Some(self.signed_within(q, max)?.0)
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
+    fn contact_points(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
         let (nearest, facet) = self.signed_within(q, max)?;
-        let beside = if nearest.distance < felt { self.beside(q, facet, felt) } else { Vec::new() };
-        Some(ContactPoints { nearest, beside })
+        let beside = if nearest.distance < felt { self.additional_points(q, facet, felt) } else { Vec::new() };
+        Some(ContactPoints { nearest, additional: beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let d = direction.try_normalize().filter(|_| origin.is_finite())?;
-        let (t, i) = self.bvh.enter(origin, d)?;
+        let (t, i) = self.bvh.ray_entry(origin, d)?;
         Some(Hit { t, normal: self.bvh.facets[i as usize].n })
     }
 

@@ -10,7 +10,7 @@ pub const MIN_SEGMENTS: u32 = 8;
 pub const MAX_SEGMENTS: u32 = 512;
 
 /// Checks a length: between a micrometre and a hundred metres.
-pub(crate) fn length(shape: &str, name: &str, value: f64) -> Result<f64> {
+pub(crate) fn check_length(shape: &str, name: &str, value: f64) -> Result<f64> {
     if (1e-6..=100.0).contains(&value) {
         return Ok(value);
     }
@@ -18,7 +18,7 @@ pub(crate) fn length(shape: &str, name: &str, value: f64) -> Result<f64> {
 }
 
 /// Checks a number of divisions of a full turn.
-pub(crate) fn segments(shape: &str, value: u32) -> Result<u32> {
+pub(crate) fn check_segments(shape: &str, value: u32) -> Result<u32> {
     if (MIN_SEGMENTS..=MAX_SEGMENTS).contains(&value) {
         return Ok(value);
     }

@@ -1,6 +1,6 @@
 //! Signed distance to a half-space.
 
-use crate::shape::{Closest, Hit, SignedDistance, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, trace_convex};
 use base::error::{Error, Result};
 use glam::{DMat3, DVec3};
 
@@ -32,9 +32,9 @@ impl SignedDistance for HalfSpace {
     }
 
     #[inline]
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let distance = self.distance(q);
-        (distance < max).then_some(Closest { distance, normal: self.normal, curvature: DMat3::ZERO })
+        (distance < max).then_some(SurfacePoint { distance, normal: self.normal, curvature: DMat3::ZERO })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -179,7 +179,7 @@ impl Profile {
 
     /// Returns the unit normals of the segments before and after point `i`; on the axis, those of a segment and its
     /// mirror image.
-    pub(crate) fn around(&self, i: usize) -> (DVec2, DVec2) {
+    pub(crate) fn adjacent_normals(&self, i: usize) -> (DVec2, DVec2) {
         let n = self.points.len();
         let mirror = |m: DVec2| DVec2::new(-m.x, m.y);
         if self.closed {
@@ -204,7 +204,7 @@ impl Profile {
             return Some(ProfilePoint { distance: normal.dot(q - self.points[at]), normal, smooth: true });
         }
         let corner = if along == 0.0 { at } else { (at + 1) % self.points.len() };
-        let (before, after) = self.around(corner);
+        let (before, after) = self.adjacent_normals(corner);
         let pseudo = (before + after).try_normalize().unwrap_or(after);
         let away = q - self.points[corner];
         let length = away.length();

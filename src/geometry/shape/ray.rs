@@ -1,6 +1,6 @@
 //! Intersection of rays with convex shapes.
 
-use super::signed_distance::{FAR, Hit, SignedDistance, TOLERANCE};
+use super::signed_distance::{Hit, MAX_RAY_LENGTH, RAY_TOLERANCE, SignedDistance};
 use glam::DVec3;
 
 /// Traces a ray against a convex shape in few steps: the tangent plane at the closest point separates the current point
@@ -12,12 +12,12 @@ pub fn trace_convex<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direct
     for _ in 0..200 {
         let c = shape.closest(origin + t * dir, f64::INFINITY)?;
         let rate = -c.normal.dot(dir);
-        if rate <= 0.0 || (t == 0.0 && c.distance < -TOLERANCE) || t > FAR {
+        if rate <= 0.0 || (t == 0.0 && c.distance < -RAY_TOLERANCE) || t > MAX_RAY_LENGTH {
             return None;
         }
         let step = c.distance / rate;
         t += step.max(0.0);
-        if c.distance <= TOLERANCE && step <= TOLERANCE.max(4.0 * f64::EPSILON * t) {
+        if c.distance <= RAY_TOLERANCE && step <= RAY_TOLERANCE.max(4.0 * f64::EPSILON * t) {
             return Some(Hit { t, normal: c.normal });
         }
     }

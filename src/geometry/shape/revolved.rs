@@ -3,7 +3,7 @@
 //! The closest point lies in the meridian half-plane of the query, so the distance is that to the 2D profile there.
 
 use crate::shape::polygon::Profile;
-use crate::shape::{Closest, SignedDistance, outer};
+use crate::shape::{SignedDistance, SurfacePoint, outer};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
 /// Solid of revolution about z with a polygonal profile.
@@ -33,7 +33,7 @@ impl SignedDistance for Revolved {
         self.profile.nearest(flat, f64::INFINITY).map_or(f64::NAN, |p| p.distance)
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let flat = DVec2::new(q.xy().length(), q.z);
         let gap = (self.low - flat).max(flat - self.high).max_element();
         if !(gap < max || max <= 0.0) {
@@ -49,7 +49,7 @@ impl SignedDistance for Revolved {
         let radial = DVec3::new(q.x, q.y, 0.0).try_normalize().unwrap_or(DVec3::X);
         let around = DVec3::new(-radial.y, radial.x, 0.0);
         let curvature = if p.smooth && flat.x > 1e-12 { outer(around) * (p.normal.x / flat.x) } else { DMat3::ZERO };
-        Some(Closest { distance: p.distance, normal: p.normal.x * radial + p.normal.y * DVec3::Z, curvature })
+        Some(SurfacePoint { distance: p.distance, normal: p.normal.x * radial + p.normal.y * DVec3::Z, curvature })
     }
 
     fn support(&self, direction: DVec3) -> Option<DVec3> {

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Radius of curvature, over the requested spacing, above which the samples of a pad are sufficient.
-const ROUND: f64 = 24.0;
+const TIGHT_RADIUS: f64 = 24.0;
 
 /// Circle about the z axis on a smooth convex part of a solid of revolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,11 +38,12 @@ impl Ring {
     }
 
     /// Returns points on those of `rings`, in the order of a profile, that are tight for a pad whose points are twice
-    /// `spacing` (m) apart: with a radius below [`ROUND`] times `spacing`, or a corner that such a pad would cut by
-    /// more than `CORNER_CUT` contact offsets. Contact has this `offset` (m).
+    /// `spacing` (m) apart: with a radius below [`TIGHT_RADIUS`] times `spacing`, or a corner that such a pad would cut
+    /// by more than `CORNER_CUT` contact offsets. Contact has this `offset` (m).
     pub(crate) fn sample(rings: &[Self], spacing: f64, offset: f64) -> Vec<FeaturePoint> {
         let (mut points, mut last) = (Vec::new(), None::<DVec2>);
-        let is_tight = |ring: &&Self| ring.radius < ROUND * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
+        let is_tight =
+            |ring: &&Self| ring.radius < TIGHT_RADIUS * spacing || ring.cut(2.0 * spacing) > CORNER_CUT * offset;
         for ring in rings.iter().filter(is_tight) {
             let apart = (8.0 * ring.radius * SAMPLE_CUT * offset).sqrt();
             if last.is_some_and(|last| last.distance(ring.point) < 0.5 * apart) {

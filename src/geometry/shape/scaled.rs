@@ -1,6 +1,6 @@
 //! Uniformly scaled shape.
 
-use crate::shape::{Closest, ContactPoints, Hit, SignedDistance};
+use crate::shape::{ContactPoints, Hit, SignedDistance, SurfacePoint};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -12,8 +12,12 @@ pub(crate) struct Scaled {
 }
 
 impl Scaled {
-    fn magnified(&self, c: Closest) -> Closest {
-        Closest { distance: self.factor * c.distance, normal: c.normal, curvature: c.curvature * self.factor.recip() }
+    fn magnified(&self, c: SurfacePoint) -> SurfacePoint {
+        SurfacePoint {
+            distance: self.factor * c.distance,
+            normal: c.normal,
+            curvature: c.curvature * self.factor.recip(),
+        }
     }
 }
 
@@ -22,14 +26,14 @@ impl SignedDistance for Scaled {
         self.factor * self.inner.distance(q / self.factor)
     }
 
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         self.inner.closest(q / self.factor, max / self.factor).map(|c| self.magnified(c))
     }
 
-    fn touch(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
-        let touch = self.inner.touch(q / self.factor, max / self.factor, felt / self.factor)?;
-        let beside = touch.beside.into_iter().map(|(c, weight)| (self.magnified(c), weight)).collect();
-        Some(ContactPoints { nearest: self.magnified(touch.nearest), beside })
+    fn contact_points(&self, q: DVec3, max: f64, felt: f64) -> Option<ContactPoints> {
+        let touch = self.inner.contact_points(q / self.factor, max / self.factor, felt / self.factor)?;
+        let beside = touch.additional.into_iter().map(|(c, weight)| (self.magnified(c), weight)).collect();
+        Some(ContactPoints { nearest: self.magnified(touch.nearest), additional: beside })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 /// Closest surface point of a query point `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closest {
+pub struct SurfacePoint {
     /// Signed distance, m; negative inside.
     pub distance: f64,
     /// Gradient of the signed distance at `q`: unit outward normal.
@@ -20,21 +20,21 @@ pub struct Closest {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactPoints {
     /// Closest point.
-    pub nearest: Closest,
+    pub nearest: SurfacePoint,
     /// Other points within range, each with its weight in the sum over all points (-1 where the incident faces meet);
     /// the weight of the closest point is 1. Their distances are positive.
-    pub beside: Vec<(Closest, f64)>,
+    pub additional: Vec<(SurfacePoint, f64)>,
 }
 
 impl ContactPoints {
     /// Returns all points with their weights, the closest first.
-    pub fn places(&self) -> impl Iterator<Item = (&Closest, f64)> {
-        std::iter::once((&self.nearest, 1.0)).chain(self.beside.iter().map(|(c, weight)| (c, *weight)))
+    pub fn points(&self) -> impl Iterator<Item = (&SurfacePoint, f64)> {
+        std::iter::once((&self.nearest, 1.0)).chain(self.additional.iter().map(|(c, weight)| (c, *weight)))
     }
 
     /// Returns the weighted sum over all points.
-    pub fn sum(&self, of: impl Fn(&Closest) -> f64) -> f64 {
-        self.places().map(|(c, weight)| weight * of(c)).sum()
+    pub fn sum(&self, of: impl Fn(&SurfacePoint) -> f64) -> f64 {
+        self.points().map(|(c, weight)| weight * of(c)).sum()
     }
 }
 
@@ -43,11 +43,11 @@ pub trait SignedDistance: Send + Sync + std::fmt::Debug {
     /// Returns the signed distance, m. 1-Lipschitz: never larger than the true distance in magnitude.
     fn distance(&self, q: DVec3) -> f64;
     /// Returns closest point data if the signed distance at `q` is below `max`, otherwise None.
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest>;
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint>;
     /// Returns the closest point if its signed distance is below `max`, and the other points that interact within the
     /// distance `felt`. By default there are none, which is correct for a smooth surface.
-    fn touch(&self, q: DVec3, max: f64, _felt: f64) -> Option<ContactPoints> {
-        self.closest(q, max).map(|nearest| ContactPoints { nearest, beside: Vec::new() })
+    fn contact_points(&self, q: DVec3, max: f64, _felt: f64) -> Option<ContactPoints> {
+        self.closest(q, max).map(|nearest| ContactPoints { nearest, additional: Vec::new() })
     }
     /// Returns the first entry into the object of the ray from `origin` along `direction` (any length > 0), at `t >= 0`
     /// metres. None if the ray misses, starts inside and never re-enters, or is not finite. Default: sphere tracing.
@@ -70,9 +70,9 @@ pub struct Hit {
 }
 
 /// Distance at which the ray has reached the surface, m.
-pub(super) const TOLERANCE: f64 = 1e-12;
+pub(super) const RAY_TOLERANCE: f64 = 1e-12;
 /// Length beyond which a ray misses the object, m: no object is longer.
-pub(super) const FAR: f64 = 1e5;
+pub(super) const MAX_RAY_LENGTH: f64 = 1e5;
 
 /// Traces a ray by sphere tracing (Hart 1996): a step as long as the distance cannot pass through the surface. It works
 /// for any shape and takes many steps at grazing incidence. A ray that starts inside must leave the object before its
@@ -84,17 +84,17 @@ pub fn trace<D: SignedDistance + ?Sized>(shape: &D, origin: DVec3, direction: DV
     for _ in 0..20_000 {
         let c = shape.closest(origin + t * dir, f64::INFINITY)?;
         let entering = c.normal.dot(dir) < 0.0;
-        if c.distance.abs() <= TOLERANCE && entering && (outside || t == 0.0) {
+        if c.distance.abs() <= RAY_TOLERANCE && entering && (outside || t == 0.0) {
             return Some(Hit { t, normal: c.normal });
         }
-        outside |= c.distance > TOLERANCE;
-        if outside && c.distance < -TOLERANCE {
+        outside |= c.distance > RAY_TOLERANCE;
+        if outside && c.distance < -RAY_TOLERANCE {
             // A step crosses the surface only by rounding, so this is the entry.
             return Some(Hit { t, normal: c.normal });
         }
         // The minimum step ensures progress where the ray leaves the object or runs along its surface.
-        t += c.distance.abs().max(TOLERANCE);
-        if t > FAR {
+        t += c.distance.abs().max(RAY_TOLERANCE);
+        if t > MAX_RAY_LENGTH {
             return None;
         }
     }

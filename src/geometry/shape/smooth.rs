@@ -7,7 +7,7 @@
 use crate::Aabb;
 use crate::mesh::TriMesh;
 use crate::mesh::disjoint_sets::DisjointSets;
-use crate::shape::features::{FeaturePoint, Ridge, SHARP, SurfaceFeatures, parts};
+use crate::shape::features::{ConvexEdge, FeaturePoint, SHARP_ANGLE, SurfaceFeatures, division_count};
 use crate::shape::level_set::LevelSet;
 use crate::shape::solid::Shape;
 pub use crate::shape::surface_definition::{SmoothSurface, SurfaceDefinition};
@@ -67,11 +67,11 @@ impl Shape {
         // The points of a pad do not resolve the rounding of sharp edges: rows of samples along the edges cover it.
         let fine = 0.5 * spacing;
         let rows = (radius / fine).ceil() as i32;
-        let beside = |ridge: &Ridge| {
-            let across = (ridge.b - ridge.a).cross(ridge.normal).normalize_or_zero() * fine;
-            let (ridge, along) = (*ridge, parts(ridge.length(), fine));
+        let beside = |edge: &ConvexEdge| {
+            let across = (edge.b - edge.a).cross(edge.normal).normalize_or_zero() * fine;
+            let (edge, along) = (*edge, division_count(edge.length(), fine));
             (0..=along).flat_map(move |i| {
-                let on_edge = ridge.point(f64::from(i) / f64::from(along));
+                let on_edge = edge.point(f64::from(i) / f64::from(along));
                 (-rows..=rows)
                     .map(move |k| FeaturePoint { position: on_edge.position + across * f64::from(k), ..on_edge })
             })
@@ -80,7 +80,7 @@ impl Shape {
         let corners = self.features.vertices.iter().filter(|v| v.sharp).copied();
         let vertices = corners.chain(self.features.sharp_edges.iter().flat_map(beside)).map(rounded).collect();
         Ok(Self {
-            aabb: Aabb::of(surface.vertices.iter().copied()),
+            aabb: Aabb::from_points(surface.vertices.iter().copied()),
             bounding_radius: surface.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length())),
             surface: Arc::new(surface),
             features: Arc::new(SurfaceFeatures { vertices, ..SurfaceFeatures::default() }),
@@ -139,20 +139,20 @@ fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
     let count = mesh.triangles.len();
     let mut faces = DisjointSets::new(count);
     for edge in topology.edges.iter().filter(|e| angle(e.triangles) < COPLANAR) {
-        faces.join(edge.triangles);
+        faces.union(edge.triangles);
     }
     let mut areas = vec![0.0; count];
     let mut boxes = vec![Aabb::EMPTY; count];
     for t in 0..count {
-        let (f, [a, b, c]) = (faces.root(t as u32) as usize, mesh.corners(t));
+        let (f, [a, b, c]) = (faces.find(t as u32) as usize, mesh.corners(t));
         areas[f] += 0.5 * (b - a).cross(c - a).length();
         [a, b, c].into_iter().for_each(|p| boxes[f].include(p));
     }
     let wide = |f: usize| areas[f] >= width * boxes[f].size().length();
     let (mut all, mut flat) = (0.0, 0.0);
-    for edge in topology.edges.iter().filter(|e| angle(e.triangles) > SHARP) {
+    for edge in topology.edges.iter().filter(|e| angle(e.triangles) > SHARP_ANGLE) {
         let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
-        let [l, r] = edge.triangles.map(|t| faces.root(t) as usize);
+        let [l, r] = edge.triangles.map(|t| faces.find(t) as usize);
         all += a.distance(b);
         flat += if wide(l) && wide(r) { a.distance(b) } else { 0.0 };
     }

@@ -5,7 +5,7 @@ use crate::mesh::TriMesh;
 use crate::mesh::shells::{flat_shell, orient};
 use crate::mesh::topology::drop_unused;
 use crate::shape::mesh_distance::MeshDistance;
-use crate::shape::params::{length, require};
+use crate::shape::params::{check_length, require};
 use crate::shape::scaled::Scaled;
 use crate::shape::topology::Topology;
 use crate::shape::{Hit, MassProperties, SignedDistance, SurfaceDefinition, SurfaceFeatures};
@@ -48,7 +48,7 @@ impl Shape {
             topology = Topology::new(&mesh)?;
         }
         let mass = MassProperties::of_mesh(&mesh);
-        let aabb = Aabb::of(mesh.vertices.iter().copied());
+        let aabb = Aabb::from_points(mesh.vertices.iter().copied());
         let bounding_radius = mesh.vertices.iter().fold(0.0, |r: f64, p| r.max(p.length()));
         if let Some(message) = flat_shell(&mesh) {
             return Err(Error::Mesh(message));
@@ -70,7 +70,7 @@ impl Shape {
         bounding_radius: f64,
     ) -> Self {
         let ends = DVec3::AXES.into_iter().flat_map(|a| [distance.support(a), distance.support(-a)]).flatten();
-        let aabb = Aabb::of(ends);
+        let aabb = Aabb::from_points(ends);
         Self {
             name: name.into(),
             distance: Arc::new(distance),
@@ -84,7 +84,7 @@ impl Shape {
     }
 
     /// Returns the same object under another name.
-    pub fn named(mut self, name: impl Into<String>) -> Self {
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
@@ -97,7 +97,7 @@ impl Shape {
         require(&self.name, factor > 0.0 && factor.is_finite(), || {
             format!("the scale is {factor}; it must be positive and finite")
         })?;
-        length(&self.name, "the scaled size", factor * self.bounding_radius)?;
+        check_length(&self.name, "the scaled size", factor * self.bounding_radius)?;
         let mut surface = TriMesh::clone(&self.surface);
         surface.vertices.iter_mut().for_each(|p| *p *= factor);
         Ok(Self {

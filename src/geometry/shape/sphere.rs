@@ -1,6 +1,6 @@
 //! Signed distance to a sphere.
 
-use crate::shape::{Closest, Hit, SignedDistance, outer, trace_convex};
+use crate::shape::{Hit, SignedDistance, SurfacePoint, outer, trace_convex};
 use glam::{DMat3, DVec3};
 
 /// Sphere about the origin.
@@ -21,14 +21,14 @@ impl SignedDistance for Sphere {
     }
 
     #[inline]
-    fn closest(&self, q: DVec3, max: f64) -> Option<Closest> {
+    fn closest(&self, q: DVec3, max: f64) -> Option<SurfacePoint> {
         let r = q.length();
         let distance = r - self.radius;
         if !(distance < max) {
             return None;
         }
         let normal = q.try_normalize().unwrap_or(DVec3::Z);
-        Some(Closest { distance, normal, curvature: point_curvature(normal, r) })
+        Some(SurfacePoint { distance, normal, curvature: point_curvature(normal, r) })
     }
 
     fn ray(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {

@@ -18,7 +18,7 @@ impl SurfaceDistance {
     }
 
     /// Returns the distance from `q` to the surface, m; zero inside.
-    pub fn outside(&self, q: DVec3) -> f64 {
+    pub fn distance(&self, q: DVec3) -> f64 {
         let (squared, _) = self.0.bvh.nearest(q, (f64::INFINITY, u32::MAX));
         if self.0.at(q).abs() > INSIDE { 0.0 } else { squared.sqrt() }
     }

@@ -1,7 +1,7 @@
 //! Edges of a closed triangle mesh and its pseudo-normals.
 
-use crate::mesh::topology::{sides, watertight};
-use crate::mesh::{FARTHEST, TriMesh, is_far, show};
+use crate::mesh::topology::{check_edges, half_edges};
+use crate::mesh::{MAX_COORDINATE, TriMesh, format_point, is_out_of_range};
 use base::error::{Error, Result};
 use glam::DVec3;
 
@@ -70,10 +70,11 @@ fn check_indices(mesh: &TriMesh) -> Result<()> {
         );
         return Err(Error::Mesh(message));
     }
-    if let Some(v) = mesh.vertices.iter().position(|p| is_far(*p)) {
+    if let Some(v) = mesh.vertices.iter().position(|p| is_out_of_range(*p)) {
         let p = mesh.vertices[v];
-        let message =
-            format!("vertex {v} of the object's mesh is at {p}; coordinates must be finite and within {FARTHEST:e}");
+        let message = format!(
+            "vertex {v} of the object's mesh is at {p}; coordinates must be finite and within {MAX_COORDINATE:e}"
+        );
         return Err(Error::Mesh(message));
     }
     for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -94,13 +95,13 @@ fn normal(mesh: &TriMesh, t: usize) -> Result<DVec3> {
         Some(f) => Ok(f.n),
         None => Err(Error::Mesh(format!(
             "triangle {t} of the object's mesh, near {}, has no area; remove it or weld its vertices",
-            show(p[0])
+            format_point(p[0])
         ))),
     }
 }
 
 fn pair_edges(mesh: &TriMesh) -> Result<(Vec<Edge>, Vec<[u32; 3]>)> {
-    let sides = sides(mesh);
+    let sides = half_edges(mesh);
     let mut edges = Vec::with_capacity(sides.len() / 2);
     let mut triangle_edges = vec![[0; 3]; mesh.triangles.len()];
     for group in sides.chunk_by(|x, y| x.ends == y.ends) {
@@ -111,7 +112,7 @@ fn pair_edges(mesh: &TriMesh) -> Result<(Vec<Edge>, Vec<[u32; 3]>)> {
                 }
                 edges.push(Edge { ends: left.ends, triangles: [left.triangle, right.triangle] });
             }
-            _ => return Err(Error::Mesh(watertight(mesh).complaint().unwrap_or_default())),
+            _ => return Err(Error::Mesh(check_edges(mesh).defect_message().unwrap_or_default())),
         }
     }
     Ok((edges, triangle_edges))

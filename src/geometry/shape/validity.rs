@@ -3,14 +3,14 @@
 use crate::mesh::TriMesh;
 use crate::mesh::facets::drop_back_to_back;
 use crate::mesh::shells::{flat_shell, orient, orient_consistently, shells};
-use crate::mesh::topology::watertight;
-use crate::shape::overlap::overlaps;
+use crate::mesh::topology::check_edges;
+use crate::shape::overlap::find_overlaps;
 use crate::shape::topology::Topology;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Orients triangles and shells, and rejects a surface that bounds no solid. Returns a notice for each change.
-pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
+pub(crate) fn orient_and_check(mesh: &mut TriMesh) -> Result<Vec<String>> {
     let mut news = Vec::new();
     let pairs = drop_back_to_back(mesh);
     if mesh.triangles.is_empty() {
@@ -19,15 +19,15 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
         ));
     }
     if pairs > 0 {
-        news.push(format!("dropped {} of coincident triangles with opposite normals", counted(pairs, "pair")));
+        news.push(format!("dropped {} of coincident triangles with opposite normals", format_count(pairs, "pair")));
     }
     let odd = orient_consistently(mesh);
     if odd > 0 {
-        news.push(format!("reversed {} that disagreed with its neighbours", counted(odd, "triangle")));
+        news.push(format!("reversed {} that disagreed with its neighbours", format_count(odd, "triangle")));
     }
-    let edges = watertight(mesh);
-    if [&edges.open, &edges.crowded, &edges.twisted].iter().any(|f| f.count > 0) {
-        return Err(Error::Mesh(edges.complaint().unwrap_or_default()));
+    let edges = check_edges(mesh);
+    if [&edges.boundary, &edges.non_manifold, &edges.inconsistent].iter().any(|f| f.count > 0) {
+        return Err(Error::Mesh(edges.defect_message().unwrap_or_default()));
     }
     Topology::new(mesh)?;
     if let Some(fault) = flat_shell(mesh) {
@@ -47,15 +47,15 @@ pub(crate) fn judge(mesh: &mut TriMesh) -> Result<Vec<String>> {
             turned.inward
         ));
     }
-    let overlaps = overlaps(mesh);
-    if let Some(fault) = overlaps.complaint(mesh) {
+    let overlaps = find_overlaps(mesh);
+    if let Some(fault) = overlaps.error_message(mesh) {
         return Err(Error::Mesh(fault));
     }
     if overlaps.shallow > 0 {
         let n = overlaps.shallow;
         news.push(format!(
             "{n} pairs of triangles cross, none by more than {:e} of the object's size",
-            super::overlap::DEPTH
+            super::overlap::MAX_OVERLAP
         ));
     }
     Ok(news)

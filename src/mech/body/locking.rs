@@ -37,7 +37,7 @@ mod tests {
     #[test]
     fn only_linear_tetrahedra_of_nearly_incompressible_gels_are_warned_about() {
         let mesh = grid::structured([&[0.0, 1.0], &[0.0, 1.0], &[0.0, 1.0]]).expect("grid");
-        let ten = quadratic::promote(&mesh);
+        let ten = quadratic::to_quadratic(&mesh);
         let notice = |quadratic: bool, nu: f64| {
             let (nodes, elements) = match quadratic {
                 false => (mesh.nodes.clone(), Elements::Linear(mesh.tets.clone())),

@@ -21,7 +21,7 @@ use crate::potential::term::{Assembly, BodyTerm};
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
 use base::scales::VERTEX_MOVE_PENETRATION;
-use geometry::shape::RidgeSection;
+use geometry::shape::EdgeSection;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::cell::LazyCell;
@@ -35,13 +35,13 @@ pub struct ContactVertex {
     /// Flag: the point is on a sharp edge or corner; else it is a vertex of a smooth surface.
     pub sharp: bool,
     /// Segment of an edge along which the vertex may move.
-    pub segment: Option<RidgeSection>,
+    pub segment: Option<EdgeSection>,
 }
 
 impl ContactVertex {
     /// Creates a contact vertex that moves to the deepest point of an edge segment in a pad, so that the edge does not
     /// penetrate between fixed samples. It starts at a third of the segment, where no fixed sample is.
-    pub fn on_segment(segment: RidgeSection) -> Self {
+    pub fn on_segment(segment: EdgeSection) -> Self {
         Self { position: segment.point(1.0 / 3.0), sharp: false, segment: Some(segment) }
     }
 

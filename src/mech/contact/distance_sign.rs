@@ -6,7 +6,7 @@
 
 use super::closest_point::ClosestPoint;
 use super::surface::{ContactSurface, ON_RIM, SurfaceFace, face_frame, tangents};
-use geometry::mesh::rings::TrianglePart;
+use geometry::mesh::adjacency::TrianglePart;
 use glam::DVec3;
 
 impl ClosestPoint {
@@ -52,8 +52,8 @@ fn meeting<'a>(
     let (corners, l) = (surface.faces[closest_point.face].corners, closest_point.l);
     let own = closest_point.face as u32;
     let faces = match closest_point.part() {
-        TrianglePart::Corner(k) => surface.rings.around(corners[k]).to_vec(),
-        TrianglePart::Edge(k) => surface.rings.sides(own, k).map_or(vec![own], |sides| sides.to_vec()),
+        TrianglePart::Corner(k) => surface.rings.vertex_triangles(corners[k]).to_vec(),
+        TrianglePart::Edge(k) => surface.rings.edge_triangles(own, k).map_or(vec![own], |sides| sides.to_vec()),
         TrianglePart::Face => vec![own],
     };
     // Coordinates belong to nodes; here, those of nodes outside the face are zero.

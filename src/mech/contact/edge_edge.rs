@@ -5,7 +5,7 @@ use super::face_bounds::FaceBounds;
 use super::surface::ContactSurface;
 use crate::potential::state::BodyView;
 use base::scales::{DEEPEST_POINT_TOLERANCE, LARGEST_PENETRATION};
-use geometry::shape::RidgeSection;
+use geometry::shape::EdgeSection;
 use glam::DVec3;
 
 /// The point of an edge segment that is deepest in the pad, object frame, m; None if none is deeper than `least` (m).
@@ -13,7 +13,7 @@ pub(crate) fn deepest(
     bounds: &FaceBounds,
     surface: &ContactSurface,
     view: &BodyView,
-    segment: &RidgeSection,
+    segment: &EdgeSection,
     least: f64,
 ) -> Option<DVec3> {
     // Branch and bound: the distance changes no faster than the point moves, so that parts which cannot contain a

@@ -3,13 +3,13 @@
 //!
 //! An edge of the object folds the pad and reaches equilibrium in the fold, where it touches both incident faces. The
 //! smaller of their distances has a kink there, across which Newton's method would oscillate; the sum over both has
-//! none (see [`TriangleAdjacency::beside`](geometry::mesh::rings::TriangleAdjacency::beside)).
+//! none (see [`TriangleAdjacency::additional_parts`](geometry::mesh::adjacency::TriangleAdjacency::additional_parts)).
 
 use super::closest_point::{ClosestPoint, on_edge, on_extended_face, on_face};
 use super::face_bounds::FaceBounds;
 use super::surface::{ContactSurface, ON_RIM};
 use base::scales::FACE_HYSTERESIS;
-use geometry::mesh::rings::{SurfacePart, TrianglePart, TrianglePosition};
+use geometry::mesh::adjacency::{SurfacePart, TrianglePart, TrianglePosition};
 use geometry::shape::outer;
 use glam::{DMat3, DVec3};
 
@@ -145,7 +145,7 @@ impl FaceBounds {
                 TrianglePart::Edge(i)
             }
         };
-        let others = surface.rings.beside(nearest.face as u32, nearest.part(), view, along).into_iter();
+        let others = surface.rings.additional_parts(nearest.face as u32, nearest.part(), view, along).into_iter();
         others
             .filter_map(|(place, weight)| {
                 outside(surface, x, y, place).map(|(closest_point, curvature)| (closest_point, weight, curvature))
@@ -167,13 +167,13 @@ fn outside(surface: &ContactSurface, x: &[DVec3], y: DVec3, place: SurfacePart) 
     let (face, l, along) = match place {
         SurfacePart::Face(i) => return Some((on_face(i as usize, &surface.faces[i as usize], x, y), DMat3::ZERO)),
         SurfacePart::Edge(e) => {
-            let (t, i) = surface.rings.owner(e);
+            let (t, i) = surface.rings.triangle_of_edge(e);
             let face = &surface.faces[t as usize];
             let [a, b] = [i, (i + 1) % 3].map(|k| x[face.corners[k] as usize]);
             (t, on_edge(face, x, (i + 2) % 3, y), (b - a).normalize_or_zero())
         }
         SurfacePart::Corner(v) => {
-            let (t, i) = surface.rings.owner_of_corner(v)?;
+            let (t, i) = surface.rings.triangle_of_vertex(v)?;
             (t, std::array::from_fn(|k| f64::from(u8::from(k == i))), DVec3::ZERO)
         }
     };

@@ -67,7 +67,7 @@ impl BodyTerm for PointContact {
                 (self.pool.edge(i), &self.surface.points[i], self.surface.area[i], self.law_of(i));
             let (world, q) = locate(stencil, view);
             if seen.bound(q) < law.offset
-                && let Some(touch) = self.object.touch(q, law.offset, law.offset)
+                && let Some(touch) = self.object.contact_points(q, law.offset, law.offset)
             {
                 energy += area * touch.sum(|c| law.normal_energy(c.distance, e.scale));
             }
@@ -92,7 +92,7 @@ impl BodyTerm for PointContact {
             block.rigid.lag += (area * lag).powi(2);
             let (law, e) = (&self.law_of(i), self.pool.edge(i));
             let (world, _) = locate(&stencil, view);
-            for (c, weight) in touch.iter().flat_map(ContactPoints::places) {
+            for (c, weight) in touch.iter().flat_map(ContactPoints::points) {
                 let e = e.at_contact_point(law, c.distance, view.object.rotation * c.normal);
                 if e.pressure > 0.0 {
                     let curvature = view.object.rotation * c.curvature * view.object.rotation.transpose();
@@ -259,11 +259,11 @@ impl PointContact {
         if seen.bound(q) < law.offset {
             // The query reaches farther than needed, so that its bound makes the next queries unnecessary.
             let reach = EXACT_GAP_RADIUS * self.pool.law.offset;
-            touch = self.object.touch(q, reach, law.offset);
+            touch = self.object.contact_points(q, reach, law.offset);
             let bound = touch.as_ref().map_or(reach, |t| t.nearest.distance);
             self.near.store_bound(k, DistanceBound { at: q, bound });
         }
-        let places = touch.iter().flat_map(ContactPoints::places);
+        let places = touch.iter().flat_map(ContactPoints::points);
         let places = places.map(|(c, weight)| (c.distance, view.object.rotation * c.normal, weight));
         let Some(lag) = self.pool.set_pressure(i, &law, update_friction, places) else { return (0.0, touch) };
         let e = *self.pool.edge(i);

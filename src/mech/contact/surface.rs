@@ -6,7 +6,7 @@ use crate::body::{Body, Elements};
 use crate::element::EDGES;
 use crate::potential::stencil::Stencil;
 use base::scales::ROUNDING;
-use geometry::mesh::rings::TriangleAdjacency;
+use geometry::mesh::adjacency::TriangleAdjacency;
 use geometry::triangle6;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;

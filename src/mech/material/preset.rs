@@ -42,6 +42,6 @@ pub const PRESETS: [GelPreset; 3] = [
 ];
 
 /// The preset of this name, if there is one.
-pub fn preset(name: &str) -> Option<GelPreset> {
+pub fn new_unchecked(name: &str) -> Option<GelPreset> {
     PRESETS.into_iter().find(|p| p.name == name)
 }

@@ -26,7 +26,7 @@ pub fn aim_notice(scene: &Scene, object: &Shape, pad: Aabb, poses: &[Pose]) -> O
     let (mut looked_at, mut miss, mut inside) = (0, 0, 0);
     for pose in poses.iter().step_by(step) {
         looked_at += 1;
-        match closing.iter().map(|side| meets(object, &hand, pose, *side)).max() {
+        match closing.iter().map(|side| cast_closing_rays(object, &hand, pose, *side)).max() {
             Some(RayResult::Inside) => inside += 1,
             Some(RayResult::Nothing) => miss += 1,
             _ => {}
@@ -52,7 +52,7 @@ enum RayResult {
 }
 
 /// Casts rays from points of the open pad's face along `closing`, up to the distance between the open pads.
-fn meets(object: &Shape, hand: &Hand, pose: &Pose, closing: DVec3) -> RayResult {
+fn cast_closing_rays(object: &Shape, hand: &Hand, pose: &Pose, closing: DVec3) -> RayResult {
     let mut met = RayResult::Nothing;
     for start in hand.face(closing, POINTS).map(|start| pose.transform(start)) {
         if object.distance.distance(start) < 0.0 {

@@ -9,7 +9,7 @@
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use base::random::Random;
 use geometry::Pose;
 use geometry::mesh::TriMesh;
@@ -19,7 +19,7 @@ use scene::Antipodal;
 use std::f64::consts::TAU;
 
 /// Largest number of trials per requested grasp before the sampler fails.
-const TRIES: usize = 2000;
+const MAX_TRIALS: usize = 2000;
 /// Number of rays along each side of a pad that search for its first contact.
 const RAYS: usize = 7;
 
@@ -76,7 +76,11 @@ impl Sampled {
         let counts: Vec<_> = counts.map(|(r, n)| format!("{n} {}", r.reason())).collect();
         let rejected =
             if counts.is_empty() { "none rejected".into() } else { format!("rejected: {}", counts.join(", ")) };
-        format!("{} from {}; {rejected}", counted(self.poses.len(), "antipodal grasp"), counted(self.tries, "try"))
+        format!(
+            "{} from {}; {rejected}",
+            format_count(self.poses.len(), "antipodal grasp"),
+            format_count(self.tries, "try")
+        )
     }
 }
 
@@ -90,7 +94,7 @@ pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, st
     let mut found = Sampled { poses: Vec::new(), tries: 0, rejected: [0; 6] };
     let mut random = Random::new(wanted.seed);
     while found.poses.len() < wanted.count.get() {
-        if found.tries == TRIES * wanted.count.get() {
+        if found.tries == MAX_TRIALS * wanted.count.get() {
             return Err(Error::Start(format!(
                 "grasps: the {} has too few antipodal grasps for this hand: {}; change its size, the opening or the friction",
                 object.name,
@@ -116,7 +120,7 @@ fn attempt(
     random: &mut Random,
 ) -> std::result::Result<Pose, Rejection> {
     // Every trial draws the same number of random numbers, whether it is rejected or not.
-    let [at, u, v, tilt, about, turn] = std::array::from_fn(|_| random.unit());
+    let [at, u, v, tilt, about, turn] = std::array::from_fn(|_| random.uniform());
     let point = surface.point(object, at, u, v);
     let normal = object.distance.closest(point, f64::INFINITY).map_or(DVec3::Z, |c| c.normal);
     // Uniform over the solid angle of the cone.
@@ -145,19 +149,19 @@ fn attempt(
     let rotation = DMat3::from_cols(closing, approach.cross(closing), approach);
     let rotation = DQuat::from_mat3(&rotation).normalize();
     let pose = Pose { position: 0.5 * (first + last) - rotation * hand.center, rotation };
-    clear(object, hand, &pose, stroke)?;
+    check_reachable(object, hand, &pose, stroke)?;
     Ok(pose)
 }
 
 /// Checks that the hand reaches the pose and closes without collision.
-fn clear(object: &Shape, hand: &Hand, pose: &Pose, stroke: f64) -> std::result::Result<(), Rejection> {
+fn check_reachable(object: &Shape, hand: &Hand, pose: &Pose, stroke: f64) -> std::result::Result<(), Rejection> {
     let blocked = |part| match part {
         HandPart::Palm => Rejection::Palm,
         HandPart::Finger => Rejection::Finger,
         HandPart::Pad => Rejection::TooWide,
     };
     let distance = object.distance.as_ref();
-    hand.obstacle(distance, pose, 0.0, 0.0).map_or(Ok(()), |part| Err(blocked(part)))?;
+    hand.first_collision(distance, pose, 0.0, 0.0).map_or(Ok(()), |part| Err(blocked(part)))?;
     let [left, right] = [DVec3::X, DVec3::NEG_X].map(|closing| first_contact(object, hand, pose, closing));
     // The object is pushed to the centre of the hand, so that each finger travels the mean distance.
     let (travel, shift) = (0.5 * (left + right), 0.5 * (right - left));
@@ -165,7 +169,7 @@ fn clear(object: &Shape, hand: &Hand, pose: &Pose, stroke: f64) -> std::result::
         return Err(Rejection::TooThin);
     }
     // Pads may touch the object here, palm and fingers may not.
-    match hand.obstacle(distance, pose, travel, shift) {
+    match hand.first_collision(distance, pose, travel, shift) {
         Some(part @ (HandPart::Palm | HandPart::Finger)) => Err(blocked(part)),
         _ => Ok(()),
     }

@@ -18,14 +18,14 @@ const OBJECT_SCALE: &str = "object/scale";
 /// columns.
 const UNIT_SLACK: f64 = 1e-5;
 /// Largest file that is read, and largest chunk that is decompressed, bytes; a million grasps take 56 MB.
-const SIZE_LIMIT: u64 = 256 * 1024 * 1024;
+const MAX_FILE_SIZE: u64 = 256 * 1024 * 1024;
 /// Largest number of grasps of a file.
-const ROW_LIMIT: u64 = 1_000_000;
+const MAX_ROWS: u64 = 1_000_000;
 /// Advice for a file that h5py reads but this reader does not.
 const REWRITE: &str =
     "write it again with `h5py.File(name, \"w\", libver=\"earliest\")`, plain or with compression=\"gzip\"";
 /// Largest number of groups that are searched for datasets.
-const GROUP_LIMIT: usize = 64;
+const MAX_GROUPS: usize = 64;
 
 /// Reads all grasps of a file in the format of DefGraspSim; quaternions are normalised.
 ///
@@ -59,11 +59,11 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<Pose>> {
         )));
     };
     let rows = shape[0];
-    if rows > ROW_LIMIT {
-        return Err(fail(format!("dataset `{name}` declares {rows} grasps; at most {ROW_LIMIT} are allowed")));
+    if rows > MAX_ROWS {
+        return Err(fail(format!("dataset `{name}` declares {rows} grasps; at most {MAX_ROWS} are allowed")));
     }
-    if let Some(chunk) = chunk_bytes(&dataset).filter(|bytes| *bytes > SIZE_LIMIT) {
-        let most = SIZE_LIMIT >> 20;
+    if let Some(chunk) = chunk_bytes(&dataset).filter(|bytes| *bytes > MAX_FILE_SIZE) {
+        let most = MAX_FILE_SIZE >> 20;
         return Err(fail(format!("dataset `{name}` has chunks of {} MiB; at most {most} are allowed", chunk >> 20)));
     }
     let values = dataset.read_f64().map_err(unreadable)?;
@@ -86,7 +86,7 @@ pub fn read_grasp_file(file: &GraspFile) -> Result<Vec<Pose>> {
 
 /// Opens a grasp file.
 fn open(path: &Path) -> Result<File> {
-    let bytes = regular::read(path, SIZE_LIMIT)?;
+    let bytes = regular::read(path, MAX_FILE_SIZE)?;
     if !hdf5_pure::is_hdf5_bytes(&bytes) {
         let message = "is not an HDF5 file; a grasp file is HDF5 with a dataset `poses` of shape (N, 7)";
         return Err(Error::file(path, message));
@@ -154,7 +154,7 @@ fn datasets(file: &File) -> Vec<String> {
         found.extend(names.iter().map(|name| format!("{path}{name}")));
         let mut inner = group.groups().unwrap_or_default();
         inner.sort();
-        let room = GROUP_LIMIT.saturating_sub(groups.len());
+        let room = MAX_GROUPS.saturating_sub(groups.len());
         let deeper: Vec<_> = inner
             .iter()
             .take(room)
@@ -163,7 +163,7 @@ fn datasets(file: &File) -> Vec<String> {
         groups.extend(deeper);
         at += 1;
     }
-    found.truncate(GROUP_LIMIT);
+    found.truncate(MAX_GROUPS);
     found
 }
 

@@ -7,4 +7,4 @@ mod resolve;
 
 pub use aim::aim_notice;
 pub use h5::{object_scale, read_grasp_file, read_grasps_h5, write_grasps_h5};
-pub use resolve::{Resolved, grasps_of, keep_first, object_of, poses_of, sample_of};
+pub use resolve::{ResolvedGrasps, grasp_poses, keep_first, resolve_grasps, resolve_object, sample_grasps};

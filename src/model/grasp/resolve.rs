@@ -5,7 +5,7 @@ use super::h5::{object_scale, read_grasp_file};
 use crate::gripper::Hand;
 use crate::part::{object, pad};
 use base::error::{Error, Result};
-use base::number::{counted, shown};
+use base::number::{format_count, format_number};
 use geometry::Aabb;
 use geometry::Pose;
 use glam::{DQuat, DVec3};
@@ -14,7 +14,7 @@ use scene::{Antipodal, GraspCount, GraspFile, Grasps, ListedPose, Object, Scene,
 
 /// Grasps of a scene, with notices about how they were obtained.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Resolved {
+pub struct ResolvedGrasps {
     /// Grasps, in order.
     pub poses: Vec<Pose>,
     /// Notices, one sentence each.
@@ -24,16 +24,16 @@ pub struct Resolved {
 /// Returns all grasps of the scene, in order; reads the grasp file or samples grasps if necessary.
 ///
 /// # Errors
-/// Fails as [`grasps_of`] does.
-pub fn poses_of(scene: &Scene) -> Result<Vec<Pose>> {
-    grasps_of(scene).map(|resolved| resolved.poses)
+/// Fails as [`resolve_grasps`] does.
+pub fn grasp_poses(scene: &Scene) -> Result<Vec<Pose>> {
+    resolve_grasps(scene).map(|resolved| resolved.poses)
 }
 
 /// Returns all grasps of the scene, in order, with notices.
 ///
 /// # Errors
-/// Fails if the grasp file cannot be read or selects grasps that it does not have, and as [`sample_of`] does.
-pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
+/// Fails if the grasp file cannot be read or selects grasps that it does not have, and as [`sample_grasps`] does.
+pub fn resolve_grasps(scene: &Scene) -> Result<ResolvedGrasps> {
     let mut notices = Vec::new();
     let between = scene.gripper.placement.center();
     let poses = match &scene.grasps {
@@ -46,14 +46,14 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
             };
             poses.iter().map(pose).collect()
         }
-        Grasps::File(file) => from_file(file).map_err(|e| e.about("grasps"))?,
+        Grasps::File(file) => from_file(file).map_err(|e| e.with_field("grasps"))?,
         Grasps::Antipodal(wanted) => {
-            let sampled = sample_of(scene, wanted).map_err(|e| e.about("grasps"))?;
+            let sampled = sample_grasps(scene, wanted).map_err(|e| e.with_field("grasps"))?;
             notices.push(sampled.report());
             sampled.poses
         }
     };
-    Ok(Resolved { poses, notices })
+    Ok(ResolvedGrasps { poses, notices })
 }
 
 /// Returns the object of the scene with its scale. If the scene gives no scale, the `object/scale` of the grasp file is
@@ -61,16 +61,16 @@ pub fn grasps_of(scene: &Scene) -> Result<Resolved> {
 ///
 /// # Errors
 /// Fails if the grasp file cannot be read.
-pub fn object_of(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
+pub fn resolve_object(scene: &Scene, notices: &mut Vec<String>) -> Result<Object> {
     let mut object = scene.object.clone();
     let Grasps::File(file) = &scene.grasps else { return Ok(object) };
-    let Some(scale) = object_scale(&file.path).map_err(|e| e.about("grasps"))? else { return Ok(object) };
-    let (path, stated) = (file.path.display(), shown(scale.get()));
+    let Some(scale) = object_scale(&file.path).map_err(|e| e.with_field("grasps"))? else { return Ok(object) };
+    let (path, stated) = (file.path.display(), format_number(scale.get()));
     match object.scale {
         Some(own) if own == scale => {}
         Some(own) => notices.push(format!(
             "{path}: the grasps belong to the object at `object/scale` {stated}, but the scene sets `scale: {}`",
-            shown(own.get())
+            format_number(own.get())
         )),
         None => {
             notices.push(format!(
@@ -111,7 +111,8 @@ fn from_file(file: &GraspFile) -> Result<Vec<Pose>> {
     let Some(select) = &file.select else { return Ok(all) };
     let pick = |row: usize| {
         all.get(row).copied().ok_or_else(|| {
-            let message = format!("has no grasp {row}; it has {}, 0 to {}", counted(all.len(), "grasp"), all.len() - 1);
+            let message =
+                format!("has no grasp {row}; it has {}, 0 to {}", format_count(all.len(), "grasp"), all.len() - 1);
             Error::file(&file.path, message)
         })
     };
@@ -122,18 +123,18 @@ fn from_file(file: &GraspFile) -> Result<Vec<Pose>> {
 ///
 /// # Errors
 /// Fails if object or pad cannot be built, or if too few grasps are found.
-pub fn sample_of(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
+pub fn sample_grasps(scene: &Scene, wanted: &Antipodal) -> Result<Sampled> {
     // These notices are discarded: building the model reports the repairs.
     let mut notices = Vec::new();
-    let object = object::build(&scene.object, &mut notices).map_err(|e| e.about("object.shape"))?;
+    let object = object::build(&scene.object, &mut notices).map_err(|e| e.with_field("object.shape"))?;
     let gripper = &scene.gripper;
     let (mut nodes, mut friction) = (Vec::new(), f64::INFINITY);
-    for side in 0..if gripper.alike() { 1 } else { 2 } {
-        let own = gripper.like(side);
-        let (pad, _) = pad::build(&own.pads, &mut notices).map_err(|e| e.about("gripper.pads"))?;
+    for side in 0..if gripper.has_equal_fingers() { 1 } else { 2 } {
+        let own = gripper.with_equal_fingers(side);
+        let (pad, _) = pad::build(&own.pads, &mut notices).map_err(|e| e.with_field("gripper.pads"))?;
         nodes.extend(pad.mesh.nodes);
         friction = friction.min(own.friction.get());
     }
-    let hand = Hand::new(Aabb::of(nodes), gripper);
+    let hand = Hand::new(Aabb::from_points(nodes), gripper);
     antipodal::sample(wanted, &object, &hand, friction, gripper.stroke.get())
 }

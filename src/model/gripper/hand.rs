@@ -14,7 +14,7 @@ const PALM: DVec3 = DVec3::new(0.102, 0.0315, 0.0659);
 const FINGER: f64 = 0.015;
 /// Tolerance of the collision check, m: a box of the hand is bisected until its half sizes are below this length; a
 /// part that small counts as colliding if the object may intersect it.
-pub const CLEARANCE: f64 = 5e-4;
+pub const COLLISION_TOLERANCE: f64 = 5e-4;
 
 /// Rigid hand with two undeformed pads, for collision checks between hand and object.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +73,13 @@ impl Hand {
     /// `object` is the signed distance function of the object, in the object frame; `pose` is the pose of the hand in
     /// the object frame; `travel` is the travel of each finger from the open hand, m; `shift` is an additional
     /// displacement of the object along hand x, m.
-    pub fn obstacle(&self, object: &dyn SignedDistance, pose: &Pose, travel: f64, shift: f64) -> Option<HandPart> {
+    pub fn first_collision(
+        &self,
+        object: &dyn SignedDistance,
+        pose: &Pose,
+        travel: f64,
+        shift: f64,
+    ) -> Option<HandPart> {
         let meets =
             |b: Aabb| overlaps(object, pose, Aabb { min: b.min - DVec3::X * shift, max: b.max - DVec3::X * shift });
         let (fingers, pads) = (self.fingers(travel), self.pads(travel));
@@ -115,16 +121,16 @@ fn palm() -> Aabb {
     Aabb { min: DVec3::new(-PALM.x, -PALM.y, 0.0), max: PALM }
 }
 
-/// Returns true if a box of the hand collides with the object, to within [`CLEARANCE`]. The distance function is
-/// 1-Lipschitz: there is no collision if the distance at the centre exceeds the half diagonal, and a collision if the
-/// centre is inside; otherwise the box is bisected.
+/// Returns true if a box of the hand collides with the object, to within [`COLLISION_TOLERANCE`]. The distance function
+/// is 1-Lipschitz: there is no collision if the distance at the centre exceeds the half diagonal, and a collision if
+/// the centre is inside; otherwise the box is bisected.
 fn overlaps(object: &dyn SignedDistance, pose: &Pose, hand: Aabb) -> bool {
     let (center, half) = (hand.center(), 0.5 * hand.size());
     let distance = object.distance(pose.transform(center));
     if distance > half.length() {
         return false;
     }
-    if distance <= 0.0 || half.max_element() < CLEARANCE {
+    if distance <= 0.0 || half.max_element() < COLLISION_TOLERANCE {
         return true;
     }
     let axis = if half.x >= half.y.max(half.z) {

@@ -1,24 +1,24 @@
 //! Rigid object of a scene.
 
 use base::error::{Error, Result};
-use base::number::{rounded, shown};
+use base::number::{format_number, round_significant};
 use base::stats::median;
 use geometry::Aabb;
 use geometry::mesh::io::read_tri_mesh;
-use geometry::mesh::{TriMesh, show};
-use geometry::shape::{Shape, ShapeKind, SurfaceDefinition, sound};
+use geometry::mesh::{TriMesh, format_point};
+use geometry::shape::{Shape, ShapeKind, SurfaceDefinition, valid_surface};
 use glam::DVec3;
 use mech::contact::ContactVertex;
-use scene::leaf::LENGTH_LIMIT;
+use scene::leaf::MAX_LENGTH;
 use scene::{self, object as o};
 use std::sync::Arc;
 
 /// Largest distance of a point of the object from the origin of its frame, m.
-const FARTHEST: f64 = 1e3;
+const MAX_DISTANCE: f64 = 1e3;
 
 /// Ratio of a vertex's distance from the median position to the median of these distances above which it counts as a
 /// stray vertex and not as part of a slender object.
-const STRAY: f64 = 100.0;
+const STRAY_RATIO: f64 = 100.0;
 
 /// Largest number of contact vertices of the object: they take about 1.5 GB.
 const MAX_FEATURES: u64 = 1_000_000;
@@ -37,7 +37,7 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
             let stem = path.file_stem().map_or("mesh".into(), |s| s.to_string_lossy().into_owned());
             let read = || {
                 within_limits(&mesh, scale)?;
-                let (mesh, news) = sound(mesh, object.repair)?;
+                let (mesh, news) = valid_surface(mesh, object.repair)?;
                 notices.extend(news.into_iter().map(|n| format!("{}: {n}", path.display())));
                 Shape::from_mesh(mesh)
             };
@@ -45,7 +45,7 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
                 Error::Mesh(message) => Error::file(path, message),
                 other => other,
             })?;
-            shape.named(stem)
+            shape.with_name(stem)
         }
         generated => kind(generated).build(object.segments.get() as u32)?,
     };
@@ -78,9 +78,9 @@ pub fn with_contact_surface(
         SurfaceDefinition::Smooth(smooth) => format!(
             "the {name} is a smooth surface through its mesh of {count} triangles, with edges rounded by about {} mm; \
              its deviation from the mesh is at most {} mm, {} mm rms; `surface: Faceted` keeps the facets",
-            shown(1e3 * smooth.level.spacing()),
-            shown(rounded(1e3 * smooth.largest, 2)),
-            shown(rounded(1e3 * smooth.rms, 2)),
+            format_number(1e3 * smooth.level.spacing()),
+            format_number(round_significant(1e3 * smooth.largest, 2)),
+            format_number(round_significant(1e3 * smooth.rms, 2)),
         ),
         _ => {
             let why = why.map_or_else(String::new, |why| format!(": {why}"));
@@ -92,42 +92,42 @@ pub fn with_contact_surface(
 
 /// Checks that the scaled object is not too large and not too far from its origin.
 fn within_limits(mesh: &TriMesh, scale: f64) -> Result<()> {
-    let size = scale * Aabb::of(mesh.vertices.iter().copied()).size().max_element();
-    if size > LENGTH_LIMIT {
-        if let Some((v, away)) = stray(mesh) {
+    let size = scale * Aabb::from_points(mesh.vertices.iter().copied()).size().max_element();
+    if size > MAX_LENGTH {
+        if let Some((v, away)) = stray_vertex(mesh) {
             return Err(Error::Mesh(format!(
                 "the object is {} m wide because its vertex {v} (0-based) at {} lies {} m from the middle of the others: remove it, or \
                  the facets that use it",
-                shown(size),
-                show(scale * mesh.vertices[v]),
-                shown(scale * away)
+                format_number(size),
+                format_point(scale * mesh.vertices[v]),
+                format_number(scale * away)
             )));
         }
         let (unit, factor) = if size < 5.0 { ("centimetres", 1e-2) } else { ("millimetres", 1e-3) };
         return Err(Error::Mesh(format!(
-            "the object is {} m wide, but at most {LENGTH_LIMIT} m is allowed: if the file is in {unit}, write `scale: \
+            "the object is {} m wide, but at most {MAX_LENGTH} m is allowed: if the file is in {unit}, write `scale: \
              {:e}`",
             (size * 1e3).round() / 1e3,
             scale * factor
         )));
     }
-    let far = mesh.vertices.iter().find(|p| scale * p.abs().max_element() > FARTHEST);
+    let far = mesh.vertices.iter().find(|p| scale * p.abs().max_element() > MAX_DISTANCE);
     far.map_or(Ok(()), |p| {
         Err(Error::Mesh(format!(
-            "the object is {} from the origin of its file; coordinates must be within {FARTHEST} m: move it there",
-            show(scale * *p)
+            "the object is {} from the origin of its file; coordinates must be within {MAX_DISTANCE} m: move it there",
+            format_point(scale * *p)
         )))
     })
 }
 
 /// Returns the vertex farthest from the median position of all vertices, and its distance, m, if it exceeds the median
-/// distance by the factor [`STRAY`].
-fn stray(mesh: &TriMesh) -> Option<(usize, f64)> {
+/// distance by the factor [`STRAY_RATIO`].
+fn stray_vertex(mesh: &TriMesh) -> Option<(usize, f64)> {
     let middle = DVec3::from_array([0, 1, 2].map(|axis| median(mesh.vertices.iter().map(|p| p[axis]))));
     let away = |p: &DVec3| p.distance(middle);
     let most = median(mesh.vertices.iter().map(away));
     let farthest = mesh.vertices.iter().map(away).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (farthest.1 > STRAY * most).then_some(farthest)
+    (farthest.1 > STRAY_RATIO * most).then_some(farthest)
 }
 
 /// Returns the generator of a shape that is not from a file.
@@ -190,5 +190,5 @@ pub fn features(shape: &Shape, spacing: f64, offset: f64) -> Result<Arc<[Contact
     }
     let points = shape.features.sample(0.5 * spacing, offset).into_iter();
     let fixed = points.map(|f| ContactVertex { position: f.position, sharp: f.sharp, segment: None });
-    Ok(fixed.chain(shape.features.stretches(spacing, offset).map(ContactVertex::on_segment)).collect())
+    Ok(fixed.chain(shape.features.sections(spacing, offset).map(ContactVertex::on_segment)).collect())
 }

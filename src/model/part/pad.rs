@@ -3,7 +3,7 @@
 use crate::gripper::FingerPlacement;
 use crate::limits::PadSize;
 use base::error::{Error, Result};
-use base::number::shown;
+use base::number::format_number;
 use base::scales::CONTACT_FORCE;
 use geometry::Aabb;
 use geometry::mesh::io::read_tri_mesh;
@@ -17,7 +17,7 @@ use mech::contact::{ContactSurface, SurfaceFace};
 use mech::material::Material;
 use record::{self, PadTopology};
 use scene::bonding::BondingRule;
-use scene::leaf::{LENGTH_LIMIT, PAD_FLOOR};
+use scene::leaf::{MAX_LENGTH, MIN_PAD_SIDE};
 use scene::pad::FilePad;
 use scene::{self, Element, Gripper, Pads};
 use std::collections::BTreeSet;
@@ -116,7 +116,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
         (_, None) => return Err(Error::Mesh("the pad is neither generated nor from a file".into())),
     };
     let quality = quality(&pad.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
-    if quality.worst < POOR {
+    if quality.worst < LOW_QUALITY {
         notices.push(format!(
             "the pad's tetrahedron {} (0-based) has poor quality: mean ratio {:.3} at {:.6}",
             quality.worst_index, quality.worst, quality.worst_centroid
@@ -126,7 +126,7 @@ pub fn build(pads: &Pads, notices: &mut Vec<String>) -> Result<(PadMesh, Quality
 }
 
 /// Mean ratio below which a notice about the worst element is given.
-const POOR: f64 = 0.1;
+const LOW_QUALITY: f64 = 0.1;
 
 fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     let scale = file.scale.get();
@@ -137,15 +137,15 @@ fn read(file: &FilePad, notices: &mut Vec<String>) -> Result<PadMesh> {
     // The reader's notice that coordinates are taken as metres does not apply with a `scale`.
     notices.extend(news.into_iter().filter(|n| scale == 1.0 || !n.contains("taken as metres")));
     pad.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
-    let size = Aabb::of(pad.mesh.nodes.iter().copied()).size();
-    if size.min_element() < PAD_FLOOR || size.max_element() > LENGTH_LIMIT {
-        let [x, y, z] = size.to_array().map(shown);
+    let size = Aabb::from_points(pad.mesh.nodes.iter().copied()).size();
+    if size.min_element() < MIN_PAD_SIDE || size.max_element() > MAX_LENGTH {
+        let [x, y, z] = size.to_array().map(format_number);
         return Err(Error::file(
             &file.path,
             format!(
-                "the pad is {x} x {y} x {z} m; each side must be from {PAD_FLOOR:e} to {LENGTH_LIMIT} m: `scale` is the factor from the \
+                "the pad is {x} x {y} x {z} m; each side must be from {MIN_PAD_SIDE:e} to {MAX_LENGTH} m: `scale` is the factor from the \
                  unit of the file to metres (millimetres: 1e-3), here {}",
-                shown(scale)
+                format_number(scale)
             ),
         ));
     }
@@ -178,7 +178,7 @@ fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding,
 impl FingerModel {
     /// Returns the bounding box of the undeformed pad, pad frame, m.
     pub fn bounds(&self) -> Aabb {
-        Aabb::of(self.topology.rest.iter().copied())
+        Aabb::from_points(self.topology.rest.iter().copied())
     }
 
     /// Places `pad`, with its mesh quality, on finger `side` (0 left, 1 right) of a gripper with two equal pads.
@@ -200,7 +200,7 @@ impl FingerModel {
                 (pad.mesh.nodes.clone(), body::Elements::Linear(pad.mesh.tets.clone()), pad.bonded.clone(), false)
             }
             Element::Quadratic => {
-                let promoted = quadratic::promote(&pad.mesh);
+                let promoted = quadratic::to_quadratic(&pad.mesh);
                 let mut bonded = pad.bonded.clone();
                 // The midpoint of an edge is bonded if both end nodes are.
                 let glued = |[a, b]: [u32; 2]| pad.bonded[a as usize] && pad.bonded[b as usize];
@@ -227,7 +227,7 @@ impl FingerModel {
     }
 
     /// Returns this pad on finger `side` (0 left, 1 right); all data except the placement are shared.
-    pub fn on(&self, side: usize, gripper: &Gripper) -> Self {
+    pub fn on_finger(&self, side: usize, gripper: &Gripper) -> Self {
         let placement = placement(side, gripper);
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
         let surface = Arc::new(self.surface.placed(&rest));

@@ -1,6 +1,6 @@
 //! Observation of the centre of pressure.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use glam::DVec3;
 
 /// Centre of pressure of each pad, m: (pads, 3), pad frame; the mean position of the deformed nodes, weighted by the
@@ -17,12 +17,12 @@ impl CenterOfPressure {
     }
 }
 
-impl Sense for CenterOfPressure {
+impl SensorModel for CenterOfPressure {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("center_of_pressure", &[self.pads, 3], "m", [-self.most, self.most])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(3)) {
             let (axes, closing) = (finger.placement.rotation.transpose(), finger.placement.closing);
             let pressing = pad.contact_force.iter().map(|force| (-force.dot(closing)).max(0.0));

@@ -1,6 +1,6 @@
 //! Observation of the contact area.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 
 /// Contact area of each pad in the reference configuration, m2: (pads).
 #[derive(Debug)]
@@ -16,12 +16,12 @@ impl TouchedArea {
     }
 }
 
-impl Sense for TouchedArea {
+impl SensorModel for TouchedArea {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("contact_area", &[self.pads], "m2", [0.0, self.most])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         out.iter_mut().zip(&now.frame.pads).for_each(|(out, pad)| *out = pad.contact_area as f32);
     }
 }

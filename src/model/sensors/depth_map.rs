@@ -1,7 +1,7 @@
 //! Penetration depth of the object into the undeformed pads, the quantity of purely geometric tactile simulators.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ pub struct DepthMap {
 impl DepthMap {
     pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let finger = hand.fingers.first();
-        let plane = finger.map_or(PlaneGrid::default(), |f| grid.over(&f.topology));
+        let plane = finger.map_or(PlaneGrid::default(), |f| grid.taxel_grid(&f.topology));
         let at_rest = finger
             .map_or_else(Vec::new, |f| f.sensing_faces().iter().map(|face| face.positions(&f.topology.rest)).collect());
         let thickness = finger.map_or(0.0, |f| f.topology.thickness());
@@ -30,17 +30,17 @@ impl DepthMap {
     }
 }
 
-impl Sense for DepthMap {
+impl SensorModel for DepthMap {
     fn spec(&self) -> ArraySpec {
         let [rows, cols] = self.grid.cells;
         ArraySpec::new("depth_map", &[self.pads, rows, cols], "m", [0.0, self.thickness])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let (cols, object) = (self.grid.cells[1], &now.object.distance);
         let (back, taxels) = (now.frame.object_rotation.inverse(), self.face.len().max(1));
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(taxels)) {
-            let carried = pad.carried(&finger.body.rest);
+            let carried = pad.rigid_translation(&finger.body.rest);
             let along = back * finger.placement.closing;
             let depth = |k: usize| {
                 let (p, reach) = (self.grid.point(k / cols, k % cols), self.face[k] + self.thickness);

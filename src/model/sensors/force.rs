@@ -1,25 +1,25 @@
 //! Observation of the applied force.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 
 /// Applied force: sum over the fingers, N.
 #[derive(Debug)]
-pub struct Applied {
+pub struct AppliedForce {
     most: f64,
 }
 
-impl Applied {
+impl AppliedForce {
     pub fn new(hand: &SensorSetup) -> Self {
         Self { most: hand.force }
     }
 }
 
-impl Sense for Applied {
+impl SensorModel for AppliedForce {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("force", &[1], "N", [0.0, self.most])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         out[0] = now.frame.applied_force as f32;
     }
 }

@@ -1,7 +1,7 @@
 //! Contact force of the pads on a grid of taxels, the basis of force and traction images.
 
 use super::grid::TaxelsOnFace;
-use super::{Now, SensorSetup};
+use super::{SensorInput, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 use std::ops::{AddAssign, Mul};
@@ -19,8 +19,8 @@ pub struct ForceImage {
 impl ForceImage {
     pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
         let pad = hand.fingers.first().map(|f| &f.topology);
-        let shares = pad.map_or_else(Vec::new, |pad| grid.shares(pad));
-        let area = pad.map_or(1.0, |pad| grid.over(pad).size.element_product());
+        let shares = pad.map_or_else(Vec::new, |pad| grid.taxel_weights(pad));
+        let area = pad.map_or(1.0, |pad| grid.taxel_grid(pad).size.element_product());
         Self { pads: hand.fingers.len(), grid: *grid, shares, area }
     }
 
@@ -40,7 +40,7 @@ impl ForceImage {
     }
 
     /// Distributes nodal values of a pad over the taxels; the sum is preserved.
-    pub fn gathered<V>(&self, nodal: impl Iterator<Item = V>) -> Vec<V>
+    pub fn distribute_to_taxels<V>(&self, nodal: impl Iterator<Item = V>) -> Vec<V>
     where
         V: Copy + Default + PartialEq + AddAssign + Mul<f64, Output = V>,
     {
@@ -52,11 +52,11 @@ impl ForceImage {
     }
 
     /// Writes `N` numbers per taxel, computed by `numbers` from its force (N, pad frame).
-    pub fn write<const N: usize>(&self, now: &Now, out: &mut [f32], numbers: impl Fn(DVec3) -> [f64; N]) {
+    pub fn write<const N: usize>(&self, now: &SensorInput, out: &mut [f32], numbers: impl Fn(DVec3) -> [f64; N]) {
         let size = N * self.taxels();
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();
-            let image = self.gathered(pad.contact_force.iter().copied());
+            let image = self.distribute_to_taxels(pad.contact_force.iter().copied());
             for (out, force) in out.chunks_exact_mut(N).zip(image) {
                 out.iter_mut().zip(numbers(axes * force)).for_each(|(out, number)| *out = number as f32);
             }

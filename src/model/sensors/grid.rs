@@ -1,7 +1,7 @@
 //! Regular grid of taxels on the sensing face.
 
 use crate::part::FingerModel;
-use geometry::barycentric::{barycentric, least};
+use geometry::barycentric::{barycentric, min_coordinate};
 use geometry::face_lookup::FaceLookup;
 use geometry::height_field::PlaneGrid;
 use glam::{DVec2, DVec3};
@@ -19,26 +19,26 @@ const OUTSIDE: f64 = -1e-9;
 /// Taxels of a grid on the sensing face of a pad.
 pub(crate) trait TaxelsOnFace {
     /// Returns the grid of taxel centres on the sensing face of `pad`, m, pad frame.
-    fn over(&self, pad: &PadTopology) -> PlaneGrid;
+    fn taxel_grid(&self, pad: &PadTopology) -> PlaneGrid;
     /// Returns, for every node, the taxels that receive its force, with weights. They are non-negative and sum to one,
     /// so the sum over the image is the resultant. The traction is assumed linear between the nodes of the undeformed
     /// sensing face, so each taxel receives the force on its part of the face. A node without a sample assigns its
     /// force to the nearest taxel.
-    fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>>;
+    fn taxel_weights(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>>;
     /// Returns, for every taxel, the point of the sensing face at its centre as a stencil of shape functions; the
     /// nearest point of the face if the centre is outside.
-    fn samples(&self, finger: &FingerModel) -> Vec<Stencil>;
+    fn taxel_stencils(&self, finger: &FingerModel) -> Vec<Stencil>;
 }
 
 impl TaxelsOnFace for Grid {
-    fn over(&self, pad: &PadTopology) -> PlaneGrid {
+    fn taxel_grid(&self, pad: &PadTopology) -> PlaneGrid {
         let face = pad.sensing.iter().flatten().map(|n| pad.rest[*n as usize].truncate());
         let (low, high) = face.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         PlaneGrid { low, size: high - low, cells: [self.rows.get(), self.cols.get()] }
     }
 
-    fn shares(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
-        let (grid, cols) = (self.over(pad), self.cols.get());
+    fn taxel_weights(&self, pad: &PadTopology) -> Vec<Vec<(u32, f64)>> {
+        let (grid, cols) = (self.taxel_grid(pad), self.cols.get());
         let flat = |n: u32| pad.rest[n as usize].truncate();
         let double = |[a, b, c]: &[u32; 3]| (flat(*b) - flat(*a)).perp_dot(flat(*c) - flat(*a)).abs();
         // The mean rather than the shortest edge, because a sliver would require millions of samples.
@@ -49,10 +49,10 @@ impl TaxelsOnFace for Grid {
         let mut taken = vec![false; fine.cells.iter().product()];
         for nodes in &pad.sensing {
             let corners = nodes.map(flat);
-            for [row, col] in fine.amid(&corners) {
+            for [row, col] in fine.cells_around(&corners) {
                 let weights = barycentric(fine.point(row, col), corners);
                 // A sample on a shared edge belongs to one triangle only.
-                if least(weights) < OUTSIDE || std::mem::replace(&mut taken[row * fine.cells[1] + col], true) {
+                if min_coordinate(weights) < OUTSIDE || std::mem::replace(&mut taken[row * fine.cells[1] + col], true) {
                     continue;
                 }
                 let taxel = (row / cut * cols + col / cut) as u32;
@@ -72,12 +72,12 @@ impl TaxelsOnFace for Grid {
         shares.into_iter().zip(&pad.rest).map(whole).collect()
     }
 
-    fn samples(&self, finger: &FingerModel) -> Vec<Stencil> {
+    fn taxel_stencils(&self, finger: &FingerModel) -> Vec<Stencil> {
         let (faces, cols) = (finger.sensing_faces(), self.cols.get());
         let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();
         let lookup = FaceLookup::new(&finger.topology.rest, &corners);
-        let grid = self.over(&finger.topology);
-        let sample = |p: DVec2| lookup.place(p).map_or(Stencil::NONE, |(face, l)| faces[face].stencil(l));
+        let grid = self.taxel_grid(&finger.topology);
+        let sample = |p: DVec2| lookup.locate(p).map_or(Stencil::NONE, |(face, l)| faces[face].stencil(l));
         (0..self.taxels()).map(|k| sample(grid.point(k / cols, k % cols))).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Shape of the deformed sensing faces, as a visual-tactile sensor images it.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use geometry::height_field::PlaneGrid;
 use glam::DVec3;
 use mech::contact::surface::SurfaceFace;
@@ -22,20 +22,20 @@ impl HeightMap {
         let finger = hand.fingers.first();
         Self {
             pads: hand.fingers.len(),
-            grid: finger.map_or(PlaneGrid::default(), |f| grid.over(&f.topology)),
+            grid: finger.map_or(PlaneGrid::default(), |f| grid.taxel_grid(&f.topology)),
             faces: finger.map_or_else(Vec::new, |f| f.sensing_faces()),
             bounds: hand.displacement_bounds(),
         }
     }
 }
 
-impl Sense for HeightMap {
+impl SensorModel for HeightMap {
     fn spec(&self) -> ArraySpec {
         let [rows, cols] = self.grid.cells;
         ArraySpec::new("height_map", &[self.pads, rows, cols], "m", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let taxels: usize = self.grid.cells.iter().product();
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(taxels)) {
             let axes = finger.placement.rotation.transpose();

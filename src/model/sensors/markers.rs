@@ -1,7 +1,7 @@
 //! Markers printed on the sensing faces, as tracked by the camera of a visual-tactile sensor.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use mech::potential::term::Stencil;
 use scene::Markers;
 
@@ -23,19 +23,19 @@ impl MarkerTracks {
         let finger = hand.fingers.first();
         Self {
             shape: [hand.fingers.len(), grid.rows.get(), grid.cols.get(), 8],
-            samples: finger.map_or_else(Vec::new, |f| grid.samples(f)),
+            samples: finger.map_or_else(Vec::new, |f| grid.taxel_stencils(f)),
             pixel,
             most: hand.reach() / pixel.min(1.0),
         }
     }
 }
 
-impl Sense for MarkerTracks {
+impl SensorModel for MarkerTracks {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("markers", &self.shape, "m, 1", [-self.most, self.most])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let size = 8 * self.samples.len().max(1);
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();

@@ -1,6 +1,7 @@
 //! Observations of an agent, one file each; runs and data sets record those of tactile sensors.
 //!
-//! A new observation needs a variant in [`Observe`], a file with a [`Sense`], and a line each in `name` and `sense`.
+//! A new observation needs a variant in [`Observe`], a file with a [`SensorModel`], and a line each in `name` and
+//! `sensor_model`.
 
 mod center_of_pressure;
 mod contact_area;
@@ -41,7 +42,7 @@ pub struct SensorSetup<'a> {
 
 /// Input of an observation.
 #[derive(Debug, Clone, Copy)]
-pub struct Now<'a> {
+pub struct SensorInput<'a> {
     /// Fingers, left first.
     pub fingers: &'a [FingerModel],
     /// Object.
@@ -51,13 +52,13 @@ pub struct Now<'a> {
 }
 
 /// Sensor model that writes one observation array.
-pub trait Sense: Send + Sync + std::fmt::Debug {
+pub trait SensorModel: Send + Sync + std::fmt::Debug {
     /// Returns the specification of the array.
     fn spec(&self) -> ArraySpec;
     /// Fills `out`, which has the size of the array.
-    fn write(&self, now: &Now, out: &mut [f32]);
+    fn write(&self, now: &SensorInput, out: &mut [f32]);
     /// Returns the array as it is stored in files.
-    fn record(&self, now: &Now) -> TactileArray {
+    fn record(&self, now: &SensorInput) -> TactileArray {
         let spec = self.spec();
         let mut values = vec![0.0; spec.size()];
         self.write(now, &mut values);
@@ -66,7 +67,7 @@ pub trait Sense: Send + Sync + std::fmt::Debug {
 }
 
 /// Creates the sensor model of an observation.
-pub fn sense(observe: &Observe, hand: &SensorSetup) -> Box<dyn Sense> {
+pub fn sensor_model(observe: &Observe, hand: &SensorSetup) -> Box<dyn SensorModel> {
     match observe {
         Observe::TaxelForce(grid) => Box::new(taxel_force::TaxelForce::new(hand, grid)),
         Observe::TaxelDisplacement(grid) => Box::new(taxel_displacement::TaxelDisplacement::new(hand, grid)),
@@ -81,18 +82,18 @@ pub fn sense(observe: &Observe, hand: &SensorSetup) -> Box<dyn Sense> {
         Observe::Wrench => Box::new(wrench::PadWrench::new(hand)),
         Observe::Travel => Box::new(travel::FingerTravel::new(hand)),
         Observe::ObjectPose => Box::new(object_pose::PoseInHand::new(hand)),
-        Observe::Force => Box::new(force::Applied::new(hand)),
+        Observe::Force => Box::new(force::AppliedForce::new(hand)),
         Observe::PredictionError => Box::new(prediction_error::PredictionError::new(hand)),
     }
 }
 
 /// Bound of a contact force relative to the largest applied force.
-const MOST: f64 = 10.0;
+const MAX_FORCE_RATIO: f64 = 10.0;
 
 impl SensorSetup<'_> {
     /// Returns the bounds of a contact force, N.
     fn force_bounds(&self) -> [f64; 2] {
-        let most = MOST * self.force;
+        let most = MAX_FORCE_RATIO * self.force;
         [-most, most]
     }
 

@@ -1,8 +1,8 @@
 //! Observation of the object's pose in the hand: privileged information for teacher policies and comparisons, which
 //! tactile sensors do not measure.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
-use scene::leaf::LENGTH_LIMIT;
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
+use scene::leaf::MAX_LENGTH;
 
 /// Observation of the pose of the object frame in the hand frame, array `object_pose` of shape (7): position x, y, z in
 /// m, then the unit quaternion w, x, y, z of the rotation from the object to the hand frame, with w >= 0.
@@ -16,12 +16,12 @@ impl PoseInHand {
     }
 }
 
-impl Sense for PoseInHand {
+impl SensorModel for PoseInHand {
     fn spec(&self) -> ArraySpec {
-        ArraySpec::new("object_pose", &[7], "m, 1", [-LENGTH_LIMIT, LENGTH_LIMIT])
+        ArraySpec::new("object_pose", &[7], "m, 1", [-MAX_LENGTH, MAX_LENGTH])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let (p, q) = (now.frame.object_position, now.frame.object_rotation);
         let q = if q.w < 0.0 { -q } else { q };
         out.iter_mut().zip([p.x, p.y, p.z, q.w, q.x, q.y, q.z]).for_each(|(o, v)| *o = v as f32);

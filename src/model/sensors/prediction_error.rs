@@ -1,6 +1,6 @@
 //! Observation of the estimated error of a prediction of the network.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use record::ErrorBound;
 
 /// 90 % quantiles of the relative errors of predictions: displacement, stress, travel. Zero for finite elements, the
@@ -9,7 +9,7 @@ use record::ErrorBound;
 pub struct PredictionError;
 
 /// Upper bound; larger errors are clipped.
-const MOST: f64 = 10.0;
+const MAX_ERROR: f64 = 10.0;
 
 impl PredictionError {
     pub fn new(_: &SensorSetup) -> Self {
@@ -17,13 +17,13 @@ impl PredictionError {
     }
 }
 
-impl Sense for PredictionError {
+impl SensorModel for PredictionError {
     fn spec(&self) -> ArraySpec {
-        ArraySpec::new("prediction_error", &[ErrorBound::NAMES.len()], "1", [0.0, MOST])
+        ArraySpec::new("prediction_error", &[ErrorBound::NAMES.len()], "1", [0.0, MAX_ERROR])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let error = now.frame.error.unwrap_or_default().to_array();
-        out.iter_mut().zip(error).for_each(|(o, e)| *o = e.min(MOST) as f32);
+        out.iter_mut().zip(error).for_each(|(o, e)| *o = e.min(MAX_ERROR) as f32);
     }
 }

@@ -1,7 +1,7 @@
 //! Image of the pressure on the sensing faces.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 
@@ -22,12 +22,12 @@ impl Pressure {
     }
 }
 
-impl Sense for Pressure {
+impl SensorModel for Pressure {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("pressure", &self.image.shape(&[]), "Pa", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let area = self.image.taxel_area();
         self.image.write(now, out, |force: DVec3| [-force.z / area]);
     }

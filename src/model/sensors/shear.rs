@@ -1,7 +1,7 @@
 //! Image of the shear traction on the sensing faces.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 
@@ -21,12 +21,12 @@ impl Shear {
     }
 }
 
-impl Sense for Shear {
+impl SensorModel for Shear {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("shear", &self.image.shape(&[2]), "Pa", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let area = self.image.taxel_area();
         self.image.write(now, out, |force: DVec3| (force / area).truncate().to_array());
     }

@@ -1,7 +1,7 @@
 //! Observation of the displacement of the sensing faces.
 
 use super::grid::TaxelsOnFace;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use mech::potential::term::Stencil;
 use scene::Grid;
 
@@ -16,18 +16,18 @@ pub struct TaxelDisplacement {
 
 impl TaxelDisplacement {
     pub fn new(hand: &SensorSetup, grid: &Grid) -> Self {
-        let samples = hand.fingers.first().map_or_else(Vec::new, |f| grid.samples(f));
+        let samples = hand.fingers.first().map_or_else(Vec::new, |f| grid.taxel_stencils(f));
         let shape = [hand.fingers.len(), grid.rows.get(), grid.cols.get(), 3];
         Self { shape, samples, bounds: hand.displacement_bounds() }
     }
 }
 
-impl Sense for TaxelDisplacement {
+impl SensorModel for TaxelDisplacement {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("taxel_displacement", &self.shape, "m", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         let size = 3 * self.samples.len().max(1);
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(size)) {
             let axes = finger.placement.rotation.transpose();

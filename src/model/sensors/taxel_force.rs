@@ -1,7 +1,7 @@
 //! Observation of the contact force per taxel.
 
 use super::force_image::ForceImage;
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 use glam::DVec3;
 use scene::Grid;
 
@@ -19,12 +19,12 @@ impl TaxelForce {
     }
 }
 
-impl Sense for TaxelForce {
+impl SensorModel for TaxelForce {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("taxel_force", &self.image.shape(&[3]), "N", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         self.image.write(now, out, |force: DVec3| force.to_array());
     }
 }

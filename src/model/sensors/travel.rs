@@ -1,6 +1,6 @@
 //! Observation of the travel of the fingers.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 
 /// Travel of each finger since first contact, left first, m.
 #[derive(Debug)]
@@ -15,12 +15,12 @@ impl FingerTravel {
     }
 }
 
-impl Sense for FingerTravel {
+impl SensorModel for FingerTravel {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("travel", &[self.fingers], "m", [-self.stroke, self.stroke])
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         out.iter_mut().zip(&now.frame.travel).for_each(|(o, t)| *o = *t as f32);
     }
 }

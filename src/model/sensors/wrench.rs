@@ -1,6 +1,6 @@
 //! Contact wrenches, as measured by a force-torque sensor behind each pad.
 
-use super::{ArraySpec, Now, Sense, SensorSetup};
+use super::{ArraySpec, SensorInput, SensorModel, SensorSetup};
 
 /// Wrench of each pad in the pad frame: force (N), then torque about the centre of the sensing face (N m).
 #[derive(Debug)]
@@ -15,12 +15,12 @@ impl PadWrench {
     }
 }
 
-impl Sense for PadWrench {
+impl SensorModel for PadWrench {
     fn spec(&self) -> ArraySpec {
         ArraySpec::new("wrench", &[self.pads, 6], "N, N m", self.bounds)
     }
 
-    fn write(&self, now: &Now, out: &mut [f32]) {
+    fn write(&self, now: &SensorInput, out: &mut [f32]) {
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(6)) {
             let axes = finger.placement.rotation.transpose();
             let (force, torque) = (axes * pad.wrench.force, axes * pad.wrench.torque);

@@ -3,7 +3,7 @@
 
 use super::GraspEvaluation;
 use crate::eval::table::MIN_LOAD_FRACTION;
-use base::stats::Spread;
+use base::stats::Quantiles;
 use serde::Serialize;
 
 /// Bounds on the error that are evaluated.
@@ -34,7 +34,7 @@ pub fn acceptances(judged: &[GraspEvaluation]) -> Vec<Acceptance> {
         let kept: Vec<&GraspEvaluation> =
             judged.iter().zip(&widest).filter(|(_, end)| **end <= error_at_most).map(|(j, _)| j).collect();
         let frames = kept.iter().flat_map(|j| &j.frames).filter(|frame| frame.load >= MIN_LOAD_FRACTION - 1e-9);
-        let spread = Spread::of(frames.map(|frame| frame.displacement));
+        let spread = Quantiles::from_values(frames.map(|frame| frame.displacement));
         Acceptance {
             error_at_most,
             kept: kept.len() as f64 / judged.len().max(1) as f64,

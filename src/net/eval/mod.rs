@@ -58,7 +58,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     let poses = data::split(&[&set.splits], split)?.remove(0).test;
     if !extrapolate {
         for object in &set.objects {
-            object.needs_alike("a network")?;
+            object.require_equal_pads("a network")?;
             predictor.card.range.check_pad(&object.pads[0], &mesh_hash(&object.pads[0]))?;
         }
     }

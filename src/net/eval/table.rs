@@ -2,7 +2,7 @@
 
 use super::{FrameError, GraspEvaluation};
 use crate::eval::rank_correlation::kendall;
-use base::stats::Spread;
+use base::stats::Quantiles;
 use record::ErrorBound;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -71,7 +71,7 @@ pub fn rows(split: &str, judged: &[GraspEvaluation]) -> Vec<ErrorRow> {
     }
     let row = |(group, frames): (&(u8, String), &Vec<&FrameError>)| {
         let of = |(quantity, pick, end): &Quantity| {
-            let Spread { median, p90, worst } = Spread::of(frames.iter().map(|f| pick(f)))?;
+            let Quantiles { median, p90, worst } = Quantiles::from_values(frames.iter().map(|f| pick(f)))?;
             let ends = frames.iter().filter(|f| f.bound.is_known()).filter_map(|f| Some((pick(f), end(&f.bound)?)));
             let ends: Vec<(f64, f64)> = ends.collect();
             Some(ErrorRow {
@@ -84,7 +84,7 @@ pub fn rows(split: &str, judged: &[GraspEvaluation]) -> Vec<ErrorRow> {
                 samples: frames.len(),
                 covered: (!ends.is_empty())
                     .then(|| ends.iter().filter(|(error, end)| error <= end).count() as f64 / ends.len() as f64),
-                interval: Spread::of(ends.iter().map(|(_, end)| *end)).map(|spread| spread.median),
+                interval: Quantiles::from_values(ends.iter().map(|(_, end)| *end)).map(|spread| spread.median),
             })
         };
         QUANTITIES.iter().filter_map(of).collect::<Vec<_>>()

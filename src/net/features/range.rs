@@ -153,7 +153,7 @@ impl TrainedRange {
     /// # Errors
     /// Fails if all forces, or something else, are outside; the message states what, by how much, and what to do.
     pub fn check_model_some_force(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
-        if !model.alike() {
+        if !model.has_equal_pads() {
             return refuse("its two pads differ, the network supports only identical pads".into());
         }
         if model.dynamics.is_some() {

@@ -53,7 +53,7 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
         if at.z > highest + NEAR * t || !graph.bounds_contain(at.xy()) {
             continue;
         }
-        let corners = lookup.under(at);
+        let corners = lookup.interpolation_at(at);
         let below: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
         // Points outside the face have no face point below them.
         if below.xy().distance(at.xy()) < 1e-6 * t {

@@ -142,13 +142,13 @@ fn object(model: &Model, touch: &GeometricContact, to_graph_frame: &dyn Fn(DVec3
     let vertex: Vec<DVec3> =
         surface.vertices.iter().map(|v| to_graph_frame(pose.rotation * *v + pose.position)).collect();
     let half = face.len() / model.fingers.len();
-    let boxes: Vec<Aabb> = face.chunks_exact(half.max(1)).map(|own| Aabb::of(own.iter().copied())).collect();
+    let boxes: Vec<Aabb> = face.chunks_exact(half.max(1)).map(|own| Aabb::from_points(own.iter().copied())).collect();
     let apart = |a: &Aabb, b: &Aabb| (a.min - b.max).max(b.min - a.max).max_element() > NEAR;
     let mut rest: Vec<[DVec3; 3]> = surface.triangles.iter().map(|t| t.map(|i| vertex[i as usize])).collect();
     let (mut points, mut edges) = (Vec::new(), BTreeSet::new());
     let mut known: BTreeMap<[u64; 3], Option<u32>> = BTreeMap::new();
     while let Some([a, b, c]) = rest.pop() {
-        let own = Aabb::of([a, b, c]);
+        let own = Aabb::from_points([a, b, c]);
         if boxes.iter().all(|b| apart(b, &own)) {
             continue;
         }

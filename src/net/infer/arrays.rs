@@ -8,7 +8,7 @@ use base::error::Result;
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
-use model::sensors::Now;
+use model::sensors::SensorInput;
 use rayon::prelude::*;
 use record::{ErrorBound, names};
 
@@ -64,12 +64,12 @@ pub fn each_array<E>(
     }
     let frames: Vec<(&PredictedGrasp, usize)> =
         known.iter().flat_map(|answer| (0..loads.len()).map(move |k| (*answer, k))).collect();
-    for sense in model.senses.iter() {
+    for sense in model.sensors.iter() {
         let spec = sense.spec();
         let shape = [&of_loads[..], &spec.shape].concat();
         let seen = frames.par_iter().map(|(answer, k)| {
             let frame = answer.frame(model, *k).unwrap_or_default();
-            sense.record(&Now { fingers: &model.fingers, object: &model.object, frame: &frame }).values
+            sense.record(&SensorInput { fingers: &model.fingers, object: &model.object, frame: &frame }).values
         });
         put(&spec.file_name(), &shape, seen.flatten().collect())?;
     }

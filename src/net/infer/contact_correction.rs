@@ -67,7 +67,7 @@ pub(super) fn corrected_travel(
     let by = |(lacks, gains): (f64, f64)| if gains < 0.0 { (lacks / gains).clamp(-far, far) } else { 0.0 };
     // Geared fingers have the same travel correction.
     let both = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let by: Vec<f64> = sums.iter().map(|own| by(if model.geared() { both } else { *own })).collect();
+    let by: Vec<f64> = sums.iter().map(|own| by(if model.has_coupled_fingers() { both } else { *own })).collect();
     let (mut force, mut mismatch, mut hidden, mut overlap) = (0.0, 0.0, 0.0, 0.0_f64);
     for (own, by) in nodes.iter().zip(&by) {
         for n in own {

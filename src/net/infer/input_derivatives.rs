@@ -97,7 +97,7 @@ impl SceneInputs {
         let predictor = Predictor::open(model)?;
         require_face_network(&predictor.card, model)?;
         let extrapolate = extrapolate || scene.stepper.extrapolates();
-        let model = Model::build(&scene.on_own_mesh())?;
+        let model = Model::build(&scene.without_finer_mesh())?;
         let graph = predictor.graph_if_in_range(&model, extrapolate)?;
         Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
     }
@@ -177,7 +177,7 @@ impl SceneInputs {
             return refused(format!("a friction of {}; a number of 0 or above is needed", grip.friction));
         }
         let levels = grip.force.iter().map(|force| force / fingers).collect();
-        let model = self.model.under(&self.loading, levels, grip.friction);
+        let model = self.model.with_loading(&self.loading, levels, grip.friction);
         self.predictor.card.range.check_model(&model, &self.graph.hash, self.extrapolate)?;
         Ok(model)
     }
@@ -185,7 +185,7 @@ impl SceneInputs {
     /// Returns the inputs of `grip` with first contact `touch`. The path of its equilibrium always ends at the largest
     /// force of `model`, even if that of `grip` differs.
     fn inputs_at_contact(&self, touch: &GeometricContact, model: &Model, grip: &GraspParameters) -> Vec<Array<f32>> {
-        let own = Arc::new(model.under(&self.loading, model.levels.clone(), grip.friction));
+        let own = Arc::new(model.with_loading(&self.loading, model.levels.clone(), grip.friction));
         let features = GraspFeatures::new(&own, &self.graph, touch);
         let (fingers, usual) = (own.fingers.len() as f64, frame_loads(&own));
         let squeezed = usual.into_iter().zip(&grip.force);

@@ -83,7 +83,7 @@ impl LoadInterpolation {
 
     /// Creates the ramp of `loads` on a grasp of `model`, without decoded loads.
     fn of(model: &Model, loads: &[GraspLoad]) -> Self {
-        Self { pieces: pieces(loads, |load| model.holds(load.force)), answers: Vec::new() }
+        Self { pieces: pieces(loads, |load| model.holds_object(load.force)), answers: Vec::new() }
     }
 
     /// Returns the loads that are decoded initially.

@@ -17,7 +17,7 @@ pub fn predicted_errors(predictor: &Predictor, scene: &Scene, poses: &[Pose]) ->
     if let Some(unknown) = predictor.card.unknown_error() {
         return Err(Error::Start(unknown));
     }
-    let model = Model::build(&scene.on_own_mesh())?;
+    let model = Model::build(&scene.without_finer_mesh())?;
     let graph = predictor.graph(&model)?;
     let loads = frame_loads(&model);
     let last = loads.last().copied().unwrap_or_default();

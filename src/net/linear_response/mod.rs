@@ -46,7 +46,8 @@ impl GraspLoad {
 
 /// Returns the loads of a model's frames.
 pub fn frame_loads(model: &Model) -> Vec<GraspLoad> {
-    let push = |frame: usize| model.push.as_ref().map(|push| push.at(model.push_part(frame))).unwrap_or_default();
+    let push =
+        |frame: usize| model.push.as_ref().map(|push| push.fraction_of(model.push_fraction(frame))).unwrap_or_default();
     model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
 }
 

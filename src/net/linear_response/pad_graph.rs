@@ -236,7 +236,7 @@ fn interpolation_rows(
 ) -> Vec<Vec<(u32, f32)>> {
     let lookup = FaceLookup::new(face, triangles);
     let row = |x: &DVec3| {
-        let corners = lookup.under(*x);
+        let corners = lookup.interpolation_at(*x);
         let top: f64 = corners.iter().map(|(i, w)| w * face[*i as usize].z).sum();
         let part = ((top - x.z) / (top + thickness)).clamp(0.0, 1.0) * (depths - 1) as f64;
         let upper = (part.floor() as usize).min(depths.saturating_sub(2));

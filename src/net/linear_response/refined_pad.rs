@@ -24,7 +24,7 @@ impl RefinedPad {
         let body = &finger.body;
         let tets: Vec<[u32; 4]> = tets.iter().flat_map(|t| divided(t, &body.rest)).collect();
         let mesh = TetMesh { nodes: body.rest.clone(), tets };
-        let (fine, edges) = (quadratic::promote(&mesh), quadratic::midpoint_edges(&mesh));
+        let (fine, edges) = (quadratic::to_quadratic(&mesh), quadratic::midpoint_edges(&mesh));
         let mut fixed = body.fixed.clone();
         // The midpoint of an edge is bonded if both its ends are.
         fixed.extend(edges.iter().map(|[a, b]| body.fixed[*a as usize] && body.fixed[*b as usize]));
@@ -99,12 +99,12 @@ fn divided(t: &[u32; 10], rest: &[DVec3]) -> [[u32; 4]; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::mesh::quadratic::promote;
+    use geometry::mesh::quadratic::to_quadratic;
 
     #[test]
     fn the_parts_of_a_tetrahedron_fill_it() {
         let nodes = vec![DVec3::ZERO, DVec3::X, DVec3::new(0.2, 1.1, 0.0), DVec3::new(0.3, 0.2, 0.9)];
-        let whole = promote(&TetMesh { nodes, tets: vec![[0, 1, 2, 3]] });
+        let whole = to_quadratic(&TetMesh { nodes, tets: vec![[0, 1, 2, 3]] });
         let volume = |t: &[u32]| {
             let [w, x, y, z] = [0, 1, 2, 3].map(|k| whole.nodes[t[k] as usize]);
             (x - w).cross(y - w).dot(z - w) / 6.0

@@ -141,9 +141,9 @@ mod tests {
     /// Draws grasps whose error depends on an indicator, with multiplicative scatter.
     fn drawn(count: usize, random: &mut Random) -> Vec<ValidationErrors> {
         let mut grasp = || {
-            let sign = 4.0 * random.unit() - 4.0;
-            let error = (0.8 * sign - 1.0 + 0.6 * (random.unit() + random.unit() - 1.0)).exp();
-            vec![([1.0, sign, 0.0, random.unit(), 0.0, 0.0, 0.0], [error, 2.0 * error, 0.5 * error])]
+            let sign = 4.0 * random.uniform() - 4.0;
+            let error = (0.8 * sign - 1.0 + 0.6 * (random.uniform() + random.uniform() - 1.0)).exp();
+            vec![([1.0, sign, 0.0, random.uniform(), 0.0, 0.0, 0.0], [error, 2.0 * error, 0.5 * error])]
         };
         (0..count).map(|_| grasp()).collect()
     }
@@ -173,8 +173,8 @@ mod tests {
     fn a_risk_never_narrows_the_interval() {
         let mut random = Random::new(8);
         let mut grasp = || {
-            let turned = random.unit();
-            let error = 0.1 * (-3.0 * turned + 0.2 * random.unit()).exp();
+            let turned = random.uniform();
+            let error = 0.1 * (-3.0 * turned + 0.2 * random.uniform()).exp();
             vec![([1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0], [error; 3])]
         };
         let interval = PredictionInterval::fit(&(0..200).map(|_| grasp()).collect::<Vec<_>>()).unwrap();

@@ -43,7 +43,7 @@ impl<E: Real> ParameterBuilder<E> {
     /// Adds a weight (rows, cols), uniform with variance `gain / rows` (He et al. 2015 for gain 2).
     pub fn weight(&mut self, name: &str, rows: usize, cols: usize, gain: f64) -> ParameterId {
         let limit = (3.0 * gain / rows as f64).sqrt();
-        let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.unit() - 1.0);
+        let mut one = || self.random.as_mut().map_or(0.0, |random| 2.0 * random.uniform() - 1.0);
         let value = (0..rows * cols).map(|_| E::of((one() * limit) as f32)).collect();
         self.add(name.into(), rows, cols, value)
     }

@@ -42,10 +42,10 @@ pub struct Face {
 impl Default for Face {
     fn default() -> Self {
         Self {
-            latent: Count::preset(48),
-            rounds: Count::preset(5),
-            decoder: Count::preset(64),
-            depths: Count::preset(5),
+            latent: Count::new_unchecked(48),
+            rounds: Count::new_unchecked(5),
+            decoder: Count::new_unchecked(64),
+            depths: Count::new_unchecked(5),
         }
     }
 }
@@ -62,7 +62,7 @@ pub struct Paper {
 
 impl Default for Paper {
     fn default() -> Self {
-        Self { latent: Count::preset(128), rounds: Count::preset(15) }
+        Self { latent: Count::new_unchecked(128), rounds: Count::new_unchecked(15) }
     }
 }
 
@@ -97,14 +97,14 @@ pub struct Training {
 impl Default for Training {
     fn default() -> Self {
         Self {
-            epochs: Count::preset(200),
-            batch: Count::preset(4),
-            levels: Count::preset(4),
-            frames: Count::preset(10),
-            learning_rate: Positive::preset(2e-3),
-            clip: Positive::preset(1.0),
-            validation: Fraction::preset(0.1),
-            patience: Count::preset(60),
+            epochs: Count::new_unchecked(200),
+            batch: Count::new_unchecked(4),
+            levels: Count::new_unchecked(4),
+            frames: Count::new_unchecked(10),
+            learning_rate: Positive::new_unchecked(2e-3),
+            clip: Positive::new_unchecked(1.0),
+            validation: Fraction::new_unchecked(0.1),
+            patience: Count::new_unchecked(60),
             weights: [1.0, 0.3, 3.0, 0.1],
             mirror: true,
             seed: 1,

@@ -12,7 +12,7 @@ use crate::train::sample::{Sample, model_of};
 use base::error::{Error, Result};
 use base::interrupt;
 use base::random::Random;
-use dataset::split::{Poses, Sets};
+use dataset::split::{GraspNumbers, TrainTestSplit};
 use dataset::{DataSet, Splits};
 use model::Model;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// Fails if the split has no test poses in any data set; the message lists the available splits and objects.
-pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
+pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<TrainTestSplit>> {
     let of = |splits: &Splits| match name.split_once(':') {
         None if name == "poses" => Some(splits.poses.clone()),
         None if name == "all" => Some(splits.all()),
@@ -33,7 +33,7 @@ pub fn split(sets: &[&Splits], name: &str) -> Result<Vec<Sets>> {
         Some(("without", family)) => Some(splits.without(family)),
         _ => None,
     };
-    let found: Vec<Sets> = sets.iter().map(|splits| of(splits).unwrap_or_default()).collect();
+    let found: Vec<TrainTestSplit> = sets.iter().map(|splits| of(splits).unwrap_or_default()).collect();
     // Some data sets may lack the object, but not all.
     if found.iter().any(|split| !split.test.is_empty()) {
         return Ok(found);
@@ -64,13 +64,17 @@ pub fn plan(sets: &[DataSet]) -> String {
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mixture that one model cannot represent, and if there is no grasp.
-pub fn read(sets: &[(&DataSet, &Poses)], known: &PadGraphs, frames: usize) -> Result<(Vec<Sample>, TrainedRange)> {
+pub fn read(
+    sets: &[(&DataSet, &GraspNumbers)],
+    known: &PadGraphs,
+    frames: usize,
+) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
     for (set, poses) in sets {
         if let Some(damaged) = set.damaged.first() {
             return Err(Error::Start(format!("the data set is damaged: {damaged}")));
         }
-        set.objects.iter().try_for_each(|object| object.needs_alike("a network"))?;
+        set.objects.iter().try_for_each(|object| object.require_equal_pads("a network"))?;
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
         let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
         let of_object = known.get_or_build(&fingers)?;

@@ -71,7 +71,7 @@ impl Trainer {
     /// Fails if the data cannot be used, and if the folder is locked by another training or holds another model.
     pub fn new(sets: &[DataSet], spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
         // First of all, so that a model written meanwhile by another process is not overwritten at the end.
-        let lock = FolderLock::alone(dir, "tactus train")?;
+        let lock = FolderLock::exclusive(dir, "tactus train")?;
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
@@ -209,7 +209,7 @@ impl Trainer {
         random.shuffle(&mut levels);
         levels.truncate(training.levels.get());
         levels.sort_unstable();
-        let mut coin = || training.mirror && random.below(2) == 1;
+        let mut coin = || training.mirror && random.uniform_below(2) == 1;
         let mirror = (coin(), coin());
         let inputs = Inputs {
             features: &sample.features,
@@ -292,7 +292,7 @@ fn learning_rate(training: &Training, step: usize, per_epoch: usize) -> f64 {
 /// Returns the random seed of a grasp in an epoch.
 fn random_seed(seed: u64, epoch: usize, grasp: usize) -> u64 {
     let mut random = Random::new(seed ^ (epoch as u64).rotate_left(32));
-    random.bits() ^ Random::new(grasp as u64).bits()
+    random.next_u64() ^ Random::new(grasp as u64).next_u64()
 }
 
 fn sum_gradients(mut a: Vec<Values<f32>>, b: Vec<Values<f32>>) -> Vec<Values<f32>> {

@@ -54,7 +54,7 @@ pub struct Sample {
 /// Fails if the scene cannot be built.
 pub fn model_of(file: &ObjectFile) -> Result<Arc<Model>> {
     let bad = |e| Error::file(&file.path, format!("its scene cannot be read: {e}"));
-    Model::build(&from_ron(&file.scene).map_err(bad)?.on_own_mesh())
+    Model::build(&from_ron(&file.scene).map_err(bad)?.without_finer_mesh())
 }
 
 impl Sample {

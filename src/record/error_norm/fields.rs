@@ -182,7 +182,7 @@ mod tests {
     fn quadratic_fields_are_reproduced_and_volumes_add_up() {
         let line = |n: usize| (0..=n).map(|i| i as f64 / n as f64).collect::<Vec<_>>();
         let coarse = grid::structured([&line(2), &line(2), &line(1)]).unwrap();
-        let fine = quadratic::promote(&grid::structured([&line(3), &line(5), &line(4)]).unwrap());
+        let fine = quadratic::to_quadratic(&grid::structured([&line(3), &line(5), &line(4)]).unwrap());
         let coarse =
             PadTopology { rest: coarse.nodes, elements: ElementNodes::Linear(coarse.tets), ..PadTopology::default() };
         let points = Points::of(&coarse);

@@ -1,8 +1,8 @@
 //! Distance between two frames of a grasp, also on different meshes: fields at common points (`fields.rs`), norms of
-//! differences (`apart.rs`). Benches use it for errors, sensitivities for the effect of changes.
+//! differences (`distance.rs`). Benches use it for errors, sensitivities for the effect of changes.
 
-pub mod apart;
+pub mod distance;
 pub mod fields;
 
-pub use apart::Distance;
+pub use distance::FrameDistance;
 pub use fields::{FieldInterpolation, Fields, Points};

@@ -1,6 +1,6 @@
 //! Charts as PNG and SVG, drawn by the same code.
 
-use super::draw::{PAPER, clear};
+use super::draw::{BACKGROUND_COLOR, clear};
 use super::sheet::PixmapBackend;
 use super::text::Label;
 use crate::render::{Pixmap, save};
@@ -15,29 +15,29 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Width and height, pixels.
-pub const SIZE: (u32, u32) = (1200, 640);
+pub const CHART_SIZE: (u32, u32) = (1200, 640);
 /// Width of the text list next to the plot, pixels.
-pub const LIST: u32 = 400;
+pub const LIST_WIDTH: u32 = 400;
 const FONT: &str = "sans-serif";
 /// Colour of axes and labels.
-pub const INK: RGBColor = RGBColor(38, 42, 51);
+pub const AXIS_COLOR: RGBColor = RGBColor(38, 42, 51);
 /// Colour of secondary content.
-pub const MUTED: RGBColor = RGBColor(106, 114, 128);
+pub const SECONDARY_COLOR: RGBColor = RGBColor(106, 114, 128);
 /// Colours of the two kinds of lines and points.
-pub const KINDS: [RGBColor; 2] = [RGBColor(31, 119, 180), RGBColor(214, 96, 20)];
+pub const SERIES_COLORS: [RGBColor; 2] = [RGBColor(31, 119, 180), RGBColor(214, 96, 20)];
 
 /// Area on which a chart is drawn.
 pub type Area<B> = DrawingArea<B, Shift>;
 /// Result of drawing.
-pub type Drawn<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+pub type DrawResult<B> = std::result::Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 /// Chart that can be drawn on any backend.
-pub trait Picture {
+pub trait DrawChart {
     /// Draws the plot.
     ///
     /// # Errors
     /// Fails if the backend of the file fails.
-    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> Drawn<B>;
+    fn plot<B: DrawingBackend>(&self, area: &Area<B>) -> DrawResult<B>;
 
     /// Returns the lines of text next to the plot, with their colours.
     fn list(&self) -> Vec<(String, RGBColor)>;
@@ -47,23 +47,23 @@ pub trait Picture {
 ///
 /// # Errors
 /// Fails if the font cannot be loaded, the drawing fails or a file cannot be written.
-pub fn save_picture(picture: &impl Picture, dir: &Path, name: &str) -> Result<()> {
+pub fn save_picture(picture: &impl DrawChart, dir: &Path, name: &str) -> Result<()> {
     let png = dir.join(name).with_extension("png");
     let refuse = |message: String| Error::file(&png, message);
     register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
         .map_err(|_| refuse("the embedded font cannot be read".into()))?;
     let mut svg = String::new();
-    draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), picture).map_err(refuse)?;
+    draw(&SVGBackend::with_string(&mut svg, CHART_SIZE).into_drawing_area(), picture).map_err(refuse)?;
     write_atomic(&png.with_extension("svg"), svg.as_bytes())?;
-    let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
-    clear(&mut page, PAPER);
+    let mut page = Pixmap::new(CHART_SIZE.0, CHART_SIZE.1).ok_or_else(|| refuse("no memory for the picture".into()))?;
+    clear(&mut page, BACKGROUND_COLOR);
     draw(&PixmapBackend::new(&mut page, &Label::new()?).into_drawing_area(), picture).map_err(refuse)?;
     save(&page, &png)
 }
 
-fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl Picture) -> std::result::Result<(), String> {
-    page.fill(&RGBColor(PAPER[0], PAPER[1], PAPER[2])).map_err(|e| e.to_string())?;
-    let (plot, list) = page.split_horizontally(SIZE.0 - LIST);
+fn draw<B: DrawingBackend>(page: &Area<B>, picture: &impl DrawChart) -> std::result::Result<(), String> {
+    page.fill(&RGBColor(BACKGROUND_COLOR[0], BACKGROUND_COLOR[1], BACKGROUND_COLOR[2])).map_err(|e| e.to_string())?;
+    let (plot, list) = page.split_horizontally(CHART_SIZE.0 - LIST_WIDTH);
     picture.plot(&plot).map_err(|e| e.to_string())?;
     for ((text, color), y) in picture.list().into_iter().zip((30..).step_by(22)) {
         list.draw(&Text::new(text, (8, y), text_style(15, &color))).map_err(|e| e.to_string())?;
@@ -105,18 +105,18 @@ pub fn label<B: DrawingBackend, X, Y>(
     plane: &mut ChartContext<B, Cartesian2d<X, Y>>,
     [x_name, y_name]: [&str; 2],
     number: &dyn Fn(&f64) -> String,
-) -> Drawn<B>
+) -> DrawResult<B>
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
     plane
         .configure_mesh()
-        .bold_line_style(MUTED.mix(0.35))
+        .bold_line_style(SECONDARY_COLOR.mix(0.35))
         .light_line_style(TRANSPARENT)
-        .axis_style(INK)
-        .label_style(text_style(15, &INK))
-        .axis_desc_style(text_style(17, &INK))
+        .axis_style(AXIS_COLOR)
+        .label_style(text_style(15, &AXIS_COLOR))
+        .axis_desc_style(text_style(17, &AXIS_COLOR))
         .x_desc(x_name)
         .y_desc(y_name)
         .x_label_formatter(number)

@@ -1,7 +1,7 @@
 //! Round tick values, and the colour bar.
 
 use super::colormap::{color, fraction};
-use super::draw::{INK, frame, polyline, rectangle};
+use super::draw::{TEXT_COLOR, frame, polyline, rectangle};
 use super::text::{Align, Label};
 use tiny_skia::Pixmap;
 
@@ -38,13 +38,13 @@ pub fn draw(page: &mut Pixmap, label: &Label, at: (f32, f32), size: (f32, f32), 
         let rgb = color(t).map(|c| c.round() as u8);
         rectangle(page, at.0, at.1 + row as f32, size.0, 1.0, rgb);
     }
-    frame(page, at.0, at.1, size.0, size.1, INK);
+    frame(page, at.0, at.1, size.0, size.1, TEXT_COLOR);
     for (value, text) in ticks(range, 8) {
         let y = at.1 + size.1 * (1.0 - fraction(value, range) as f32);
-        polyline(page, &[(at.0 + size.0, y), (at.0 + size.0 + 5.0, y)], 1.0, INK, 1.0);
-        label.draw(page, &text, (at.0 + size.0 + 10.0, y + 5.0), 16.0, INK, Align::Left);
+        polyline(page, &[(at.0 + size.0, y), (at.0 + size.0 + 5.0, y)], 1.0, TEXT_COLOR, 1.0);
+        label.draw(page, &text, (at.0 + size.0 + 10.0, y + 5.0), 16.0, TEXT_COLOR, Align::Left);
     }
-    label.draw(page, title, (at.0, at.1 - 14.0), 17.0, INK, Align::Left);
+    label.draw(page, title, (at.0, at.1 - 14.0), 17.0, TEXT_COLOR, Align::Left);
 }
 
 #[cfg(test)]

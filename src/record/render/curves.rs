@@ -1,6 +1,6 @@
 //! Curves over epochs, with a logarithmic axis.
 
-use super::draw::{INK, LINE, MUTED, PAPER, Rgb, clear, frame, polyline};
+use super::draw::{BACKGROUND_COLOR, GRID_COLOR, Rgb, SECONDARY_COLOR, TEXT_COLOR, clear, frame, polyline};
 use super::text::{Align, Label};
 use base::error::{Error, Result};
 use tiny_skia::Pixmap;
@@ -20,7 +20,7 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let no_memory = || Error::file("picture", "no memory for the picture");
     let mut page = Pixmap::new(SIZE.0, SIZE.1).ok_or_else(no_memory)?;
     let label = Label::new()?;
-    clear(&mut page, PAPER);
+    clear(&mut page, BACKGROUND_COLOR);
     let (left, top, right, bottom) = BOX;
     let drawn = |v: f64| v.is_finite() && v > 0.0;
     let values = || curves.iter().flat_map(|c| c.1.iter().copied()).filter(|v| drawn(*v)).map(f64::log10);
@@ -33,10 +33,10 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let y = |v: f64| bottom - (bottom - top) * ((v.log10() - low) / (high - low)) as f32;
     for value in marks(10_f64.powf(low), 10_f64.powf(high)) {
         let at = y(value);
-        polyline(&mut page, &[(left, at), (right, at)], 1.0, LINE, 1.0);
-        label.draw(&mut page, &short(value), (left - 8.0, at + 5.0), 15.0, MUTED, Align::Right);
+        polyline(&mut page, &[(left, at), (right, at)], 1.0, GRID_COLOR, 1.0);
+        label.draw(&mut page, &short(value), (left - 8.0, at + 5.0), 15.0, SECONDARY_COLOR, Align::Right);
     }
-    frame(&mut page, left, top, right - left, bottom - top, LINE);
+    frame(&mut page, left, top, right - left, bottom - top, GRID_COLOR);
     let longest = curves.iter().map(|c| c.1.len()).max().unwrap_or(0).max(2);
     let x = |i: usize| left + (right - left) * i as f32 / (longest - 1) as f32;
     for (k, (name, values)) in curves.iter().enumerate() {
@@ -49,11 +49,11 @@ pub fn render_curves(curves: &[(&str, Vec<f64>)]) -> Result<Pixmap> {
     let step = step(longest as f64 / 8.0).max(1.0) as usize;
     for epoch in std::iter::once(1).chain((step..=longest).step_by(step).filter(|epoch| *epoch > 1)) {
         let at = x(epoch - 1);
-        polyline(&mut page, &[(at, bottom), (at, bottom + 5.0)], 1.0, MUTED, 1.0);
-        label.draw(&mut page, &epoch.to_string(), (at, bottom + 22.0), 15.0, MUTED, Align::Center);
+        polyline(&mut page, &[(at, bottom), (at, bottom + 5.0)], 1.0, SECONDARY_COLOR, 1.0);
+        label.draw(&mut page, &epoch.to_string(), (at, bottom + 22.0), 15.0, SECONDARY_COLOR, Align::Center);
     }
-    label.draw(&mut page, "epoch", (right, bottom + 44.0), 16.0, INK, Align::Right);
-    label.draw(&mut page, "loss", (left, top - 12.0), 16.0, INK, Align::Left);
+    label.draw(&mut page, "epoch", (right, bottom + 44.0), 16.0, TEXT_COLOR, Align::Right);
+    label.draw(&mut page, "loss", (left, top - 12.0), 16.0, TEXT_COLOR, Align::Left);
     Ok(page)
 }
 

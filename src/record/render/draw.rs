@@ -9,13 +9,13 @@ pub type Rgb = [u8; 3];
 type Point = (f32, f32);
 
 /// Colour of text and axes.
-pub const INK: Rgb = [38, 42, 51];
+pub const TEXT_COLOR: Rgb = [38, 42, 51];
 /// Colour of secondary text.
-pub const MUTED: Rgb = [106, 114, 128];
+pub const SECONDARY_COLOR: Rgb = [106, 114, 128];
 /// Colour of grid lines and frames.
-pub const LINE: Rgb = [196, 201, 209];
+pub const GRID_COLOR: Rgb = [196, 201, 209];
 /// Colour of the background of the page.
-pub const PAPER: Rgb = [252, 252, 250];
+pub const BACKGROUND_COLOR: Rgb = [252, 252, 250];
 
 /// Returns a paint of uniform colour; `alpha` in 0..=1.
 pub fn paint(rgb: Rgb, alpha: f32) -> Paint<'static> {
@@ -50,10 +50,10 @@ pub fn arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) 
 }
 
 /// Draws an arrow with a thin dark outline, readable on any colour.
-pub fn rimmed_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
+pub fn outlined_arrow(pixmap: &mut Pixmap, from: Point, to: Point, width: f32, rgb: Rgb) {
     if let Some((neck, [a, b, c])) = arrow_shape(from, to, width) {
-        polyline(pixmap, &[from, neck], width + 1.6, INK, 0.75);
-        polyline(pixmap, &[a, b, c, a], 1.6, INK, 0.75);
+        polyline(pixmap, &[from, neck], width + 1.6, TEXT_COLOR, 0.75);
+        polyline(pixmap, &[a, b, c, a], 1.6, TEXT_COLOR, 0.75);
         arrow(pixmap, from, to, width, rgb);
     }
 }

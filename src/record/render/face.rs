@@ -2,7 +2,7 @@
 
 use super::colorbar::ticks;
 use super::colormap::{color, fraction};
-use super::draw::{INK, LINE, MUTED, frame, polyline, rimmed_arrow};
+use super::draw::{GRID_COLOR, SECONDARY_COLOR, TEXT_COLOR, frame, outlined_arrow, polyline};
 use super::raster::{Raster, Vertex};
 use super::style::Scalar;
 use super::surface::Surface;
@@ -48,7 +48,7 @@ impl Panel {
 impl SensingFace {
     /// Creates the face from a frame; `pose` is the rotation and the origin of the pad frame in the hand frame.
     pub fn new(topology: &PadTopology, pad: &PadFrame, scalar: Scalar, pose: (DMat3, DVec3)) -> Self {
-        let [surface, _] = Surface::both(topology, scalar.is_field());
+        let [surface, _] = Surface::sensing_and_outer(topology, scalar.is_field());
         let back = pose.0.transpose();
         SensingFace {
             values: surface.values(&scalar.field(pad)),
@@ -82,23 +82,23 @@ impl SensingFace {
         raster.paste(page, panel.at.0 as i32, panel.at.1 as i32, 1.0);
         self.axes(page, label, panel);
         let corner = (panel.at.0, panel.at.1 - 9.0);
-        label.draw(page, name, corner, 17.0, INK, Align::Left);
+        label.draw(page, name, corner, 17.0, TEXT_COLOR, Align::Left);
     }
 
     fn axes(&self, page: &mut Pixmap, label: &Label, panel: Panel) {
         let ((x, y), (w, h)) = (panel.at, panel.size);
-        frame(page, x, y, w, h, LINE);
+        frame(page, x, y, w, h, GRID_COLOR);
         let half = DVec2::new(f64::from(w), f64::from(h)) / (2.0 * panel.scale);
         let span = |center: f64, half: f64| ((center - half) * 1e3, (center + half) * 1e3);
         for (value, text) in ticks(span(panel.center.x, half.x), 6) {
             let at = panel.pixel(DVec3::new(value * 1e-3, 0.0, 0.0)).0;
-            polyline(page, &[(at, y + h), (at, y + h + 4.0)], 1.0, MUTED, 1.0);
-            label.draw(page, &text, (at, y + h + 18.0), 14.0, MUTED, Align::Center);
+            polyline(page, &[(at, y + h), (at, y + h + 4.0)], 1.0, SECONDARY_COLOR, 1.0);
+            label.draw(page, &text, (at, y + h + 18.0), 14.0, SECONDARY_COLOR, Align::Center);
         }
         for (value, text) in ticks(span(panel.center.y, half.y), 5) {
             let at = panel.pixel(DVec3::new(0.0, value * 1e-3, 0.0)).1;
-            polyline(page, &[(x - 4.0, at), (x, at)], 1.0, MUTED, 1.0);
-            label.draw(page, &text, (x - 8.0, at + 5.0), 14.0, MUTED, Align::Right);
+            polyline(page, &[(x - 4.0, at), (x, at)], 1.0, SECONDARY_COLOR, 1.0);
+            label.draw(page, &text, (x - 8.0, at + 5.0), 14.0, SECONDARY_COLOR, Align::Right);
         }
     }
 
@@ -136,7 +136,7 @@ impl SensingFace {
             let (x, y) = panel.pixel(at);
             let tip = (x + (shift.x * length) as f32, y - (shift.y * length) as f32);
             if shift.length() > 0.08 * longest {
-                rimmed_arrow(page, (x, y), tip, 1.3, [255, 255, 255]);
+                outlined_arrow(page, (x, y), tip, 1.3, [255, 255, 255]);
             }
         }
     }

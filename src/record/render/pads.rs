@@ -1,7 +1,7 @@
 //! Picture of a frame: sensing faces, colour bars and 3-D view.
 
 use super::colorbar;
-use super::draw::{INK, LINE, MUTED, PAPER, clear, polyline};
+use super::draw::{BACKGROUND_COLOR, GRID_COLOR, SECONDARY_COLOR, TEXT_COLOR, clear, polyline};
 use super::face::{Panel, SensingFace};
 use super::pose::pad_pose;
 use super::style::{HEIGHT, Scalar, Style, WIDTH};
@@ -46,7 +46,7 @@ pub fn render_pads(
 
     let label = Label::new()?;
     let mut page = Pixmap::new(WIDTH, HEIGHT).ok_or_else(|| refuse("no memory for the picture".into()))?;
-    clear(&mut page, PAPER);
+    clear(&mut page, BACKGROUND_COLOR);
     heading(&mut page, &label, frame, style);
     faces(&mut page, &label, topologies, frame, face_range, style);
     for (x, scalar, range) in [(BAR_X[0], style.face, face_range), (BAR_X[1], style.scalar, range)] {
@@ -56,7 +56,7 @@ pub fn render_pads(
     view.draw(&mut page, &label, (VIEW_X.0, 150.0), (VIEW_X.1, 556.0));
     if style.cut {
         let note = "hand frame, section through the middle of the pads";
-        label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, MUTED, Align::Right);
+        label.draw(&mut page, note, (WIDTH as f32 - 28.0, BODY_Y.0 - 14.0), 15.0, SECONDARY_COLOR, Align::Right);
     }
     Ok(page)
 }
@@ -93,15 +93,15 @@ fn color_range(frame: &Frame, scalar: Scalar, given: Option<(f64, f64)>) -> Resu
 
 fn heading(page: &mut Pixmap, label: &Label, frame: &Frame, style: &Style) {
     let title = label.fit(&style.title, 32.0, WIDTH as f32 - 60.0);
-    label.draw(page, &title, (28.0, 46.0), 32.0, INK, Align::Left);
+    label.draw(page, &title, (28.0, 46.0), 32.0, TEXT_COLOR, Align::Left);
     let travel: Vec<String> =
         frame.travel.iter().enumerate().map(|(i, t)| format!("{} {:.2} mm", pad_name(i), t * 1e3)).collect();
     let force = format!("applied force {:.2} N (sum over the fingers)", frame.applied_force);
     let time = frame.moving.map_or(String::new(), |_| format!("   ·   {:.3} s", frame.time));
     let line = format!("{force}   ·   travel {}   ·   frame {}{time}", travel.join(", "), frame.index);
     let line = label.fit(&line, 19.0, WIDTH as f32 - 60.0);
-    label.draw(page, &line, (28.0, 76.0), 19.0, MUTED, Align::Left);
-    polyline(page, &[(28.0, 92.0), (WIDTH as f32 - 28.0, 92.0)], 1.0, LINE, 1.0);
+    label.draw(page, &line, (28.0, 76.0), 19.0, SECONDARY_COLOR, Align::Left);
+    polyline(page, &[(28.0, 92.0), (WIDTH as f32 - 28.0, 92.0)], 1.0, GRID_COLOR, 1.0);
 }
 
 fn sensing_faces(topologies: &[PadTopology], frame: &Frame, scalar: Scalar) -> Vec<(usize, SensingFace)> {
@@ -150,6 +150,6 @@ fn faces(
     }
     if style.markers && longest > 1e-7 {
         let note = format!("arrows: in-plane displacement, longest {:.3} mm", longest * 1e3);
-        label.draw(page, &note, (FACE_X.0, HEIGHT as f32 - 16.0), 15.0, MUTED, Align::Left);
+        label.draw(page, &note, (FACE_X.0, HEIGHT as f32 - 16.0), 15.0, SECONDARY_COLOR, Align::Left);
     }
 }

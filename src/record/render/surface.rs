@@ -27,12 +27,12 @@ pub struct Surface {
 impl Surface {
     /// Returns the sensing face and the rest of the outer surface; quadratic if `curved` and the elements are,
     /// otherwise flat between nodes.
-    pub fn both(topology: &PadTopology, curved: bool) -> [Self; 2] {
+    pub fn sensing_and_outer(topology: &PadTopology, curved: bool) -> [Self; 2] {
         let flat = |triangles: &[[u32; 3]]| triangles.iter().map(|t| SurfaceFace { corners: *t, mids: None }).collect();
         let [sensing, outside] = curved
             .then(|| faces(topology))
             .flatten()
-            .unwrap_or_else(|| [flat(&topology.sensing), flat(&topology.outside())]);
+            .unwrap_or_else(|| [flat(&topology.sensing), flat(&topology.outer_triangles())]);
         [Self::of(&sensing), Self::of(&outside)]
     }
 

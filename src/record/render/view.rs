@@ -1,7 +1,7 @@
 //! Orthographic 3-D view of pads and object in the hand frame, optionally cut through the middle.
 
 use super::colormap::{color, fraction};
-use super::draw::{INK, MUTED, arrow, polyline};
+use super::draw::{SECONDARY_COLOR, TEXT_COLOR, arrow, polyline};
 use super::normals::corner_normals;
 use super::raster::{Raster, Vertex};
 use super::section::CutPlane;
@@ -139,7 +139,7 @@ impl CutView<'_> {
         let body = u8::try_from(2 * index + 1).unwrap_or(199).min(199);
         let tint = |value: f64| color(fraction(value, self.range));
         let lit = |value: f64, normal: DVec3| tint(value).map(|c| c * light(normal, camera) as f32);
-        for surface in Surface::both(topology, self.scalar.is_field()) {
+        for surface in Surface::sensing_and_outer(topology, self.scalar.is_field()) {
             for corners in surface.shaded(&pad.position, &field) {
                 each_visible(corners, plane, |part| raster.triangle(project(camera, part), body, lit));
             }
@@ -160,7 +160,7 @@ impl CutView<'_> {
             let x = projected.iter().map(|p| p.x).sum::<f64>() / projected.len().max(1) as f64;
             if top.is_finite() {
                 let spot = (at.0 + x as f32, (at.1 + top as f32 - 12.0).max(at.1 + 4.0));
-                label.draw(page, &pad_name(index), spot, 17.0, INK, Align::Center);
+                label.draw(page, &pad_name(index), spot, 17.0, TEXT_COLOR, Align::Center);
             }
         }
     }
@@ -216,9 +216,9 @@ fn triad(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) {
     for (axis, name) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
         let (dx, dy) = (axis.dot(camera.right) as f32, -axis.dot(camera.up) as f32);
         let tip = (at.0 + 40.0 * dx, at.1 + 40.0 * dy);
-        arrow(page, at, tip, 1.6, INK);
+        arrow(page, at, tip, 1.6, TEXT_COLOR);
         let spot = (tip.0 + 9.0 * dx, tip.1 + 9.0 * dy + 5.0);
-        label.draw(page, name, spot, 15.0, INK, Align::Center);
+        label.draw(page, name, spot, 15.0, TEXT_COLOR, Align::Center);
     }
 }
 
@@ -228,6 +228,6 @@ fn scale_bar(page: &mut Pixmap, label: &Label, camera: &Camera, at: (f32, f32)) 
     let power = 10f64.powf(wanted.log10().floor());
     let Some(length) = [5.0, 2.0, 1.0].map(|f| f * power).into_iter().find(|&l| l <= wanted) else { return };
     let pixels = (length * 1e-3 * camera.scale) as f32;
-    polyline(page, &[(at.0 - pixels, at.1), at], 2.5, INK, 1.0);
-    label.draw(page, &format!("{length} mm"), (at.0 - pixels / 2.0, at.1 - 9.0), 15.0, MUTED, Align::Center);
+    polyline(page, &[(at.0 - pixels, at.1), at], 2.5, TEXT_COLOR, 1.0);
+    label.draw(page, &format!("{length} mm"), (at.0 - pixels / 2.0, at.1 - 9.0), 15.0, SECONDARY_COLOR, Align::Center);
 }

@@ -29,7 +29,7 @@ impl Content {
     /// Returns a hash (hexadecimal) of the names, sizes and modification times of all files of the folder.
     pub fn state(&self) -> String {
         let mut hasher = blake3::Hasher::new();
-        look(&self.dir, DEPTH, &mut hasher);
+        hash_folder(&self.dir, DEPTH, &mut hasher);
         hasher.finalize().to_hex()[..16].into()
     }
 
@@ -39,12 +39,12 @@ impl Content {
         let state = self.state();
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if made.0 != state {
-            *made = (state.clone(), self.make(&state));
+            *made = (state.clone(), self.generate(&state));
         }
         made.1.clone()
     }
 
-    fn make(&self, state: &str) -> String {
+    fn generate(&self, state: &str) -> String {
         let note = match holds_results(&self.dir) {
             false => "There are no results yet; the page shows them as soon as they are written.".into(),
             true => match report(std::slice::from_ref(&self.dir), &self.wishes).and_then(|page| page.live(state)) {
@@ -61,7 +61,7 @@ impl Content {
 }
 
 /// Hashes name, size and modification time of all files in a folder, sorted by name.
-fn look(dir: &Path, depth: usize, hasher: &mut blake3::Hasher) {
+fn hash_folder(dir: &Path, depth: usize, hasher: &mut blake3::Hasher) {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     // Entries without readable metadata (e.g. just removed) are skipped.
     let mut found: Vec<_> = entries.filter_map(|entry| Some((entry.file_name(), entry.metadata().ok()?))).collect();
@@ -71,7 +71,7 @@ fn look(dir: &Path, depth: usize, hasher: &mut blake3::Hasher) {
         if !meta.is_dir() {
             hasher.update(&meta.len().to_le_bytes()).update(&date(&meta).to_le_bytes());
         } else if depth > 1 && name != FRAMES {
-            look(&dir.join(name), depth - 1, hasher);
+            hash_folder(&dir.join(name), depth - 1, hasher);
         }
     }
 }

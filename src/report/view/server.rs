@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Maximum size of a request head, bytes.
-const MOST: usize = 16 * 1024;
+const MAX_REQUEST_SIZE: usize = 16 * 1024;
 /// Maximum number of concurrent requests.
 const MAX_CONCURRENT: usize = 32;
 /// Timeout for the whole request, so that a slow client does not occupy a thread for longer.
@@ -106,7 +106,7 @@ where
 fn serve(stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::Result<()> {
     let mut stream = Timed { stream, end: Instant::now() + REQUEST };
     let reply = match read(&mut stream)? {
-        Ok(path) => answer(&path).ok_or(Refusal::NoSuchPath),
+        Ok(path) => answer(&path).ok_or(RequestError::NoSuchPath),
         Err(refusal) => Err(refusal),
     };
     let (status, kind, body) = match reply {
@@ -126,7 +126,7 @@ fn serve(stream: TcpStream, answer: &dyn Fn(&str) -> Option<Reply>) -> std::io::
     stream.stream.shutdown(Shutdown::Write)?;
     // Reads the rest of the request, e.g. the body of a POST: closing a socket with unread data would abort the answer.
     stream.end = Instant::now() + REQUEST;
-    std::io::copy(&mut stream.take(MOST as u64), &mut std::io::sink()).map(|_| ())
+    std::io::copy(&mut stream.take(MAX_REQUEST_SIZE as u64), &mut std::io::sink()).map(|_| ())
 }
 
 /// Connection with one deadline for all reads and writes.
@@ -137,7 +137,7 @@ struct Timed {
 
 impl Timed {
     /// Returns the remaining time; an error after the deadline.
-    fn left(&self) -> std::io::Result<Option<Duration>> {
+    fn remaining(&self) -> std::io::Result<Option<Duration>> {
         let left = self.end.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(std::io::ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }
     }
@@ -145,14 +145,14 @@ impl Timed {
 
 impl Read for Timed {
     fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.set_read_timeout(self.remaining()?)?;
         self.stream.read(bytes)
     }
 }
 
 impl Write for Timed {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.set_write_timeout(self.remaining()?)?;
         self.stream.write(bytes)
     }
 
@@ -163,7 +163,7 @@ impl Write for Timed {
 
 /// Reason for rejecting a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Refusal {
+enum RequestError {
     BadRequest,
     ForeignHost,
     NoSuchPath,
@@ -171,50 +171,50 @@ enum Refusal {
     TooLarge,
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for RequestError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Refusal::BadRequest => "400 Bad Request",
-            Refusal::ForeignHost => "403 Forbidden",
-            Refusal::NoSuchPath => "404 Not Found",
-            Refusal::NotGet => "405 Method Not Allowed",
-            Refusal::TooLarge => "431 Request Header Fields Too Large",
+            RequestError::BadRequest => "400 Bad Request",
+            RequestError::ForeignHost => "403 Forbidden",
+            RequestError::NoSuchPath => "404 Not Found",
+            RequestError::NotGet => "405 Method Not Allowed",
+            RequestError::TooLarge => "431 Request Header Fields Too Large",
         })
     }
 }
 
 /// Reads the head of a request; returns its path without the query.
-fn read(stream: &mut Timed) -> std::io::Result<std::result::Result<String, Refusal>> {
+fn read(stream: &mut Timed) -> std::io::Result<std::result::Result<String, RequestError>> {
     let (mut head, mut part) = (Vec::new(), [0; 2048]);
     loop {
         let count = stream.read(&mut part)?;
         head.extend_from_slice(&part[..count]);
         match path(&head) {
             Some(path) => return Ok(path),
-            None if count == 0 => return Ok(Err(Refusal::BadRequest)),
-            None if head.len() > MOST => return Ok(Err(Refusal::TooLarge)),
+            None if count == 0 => return Ok(Err(RequestError::BadRequest)),
+            None if head.len() > MAX_REQUEST_SIZE => return Ok(Err(RequestError::TooLarge)),
             None => {}
         }
     }
 }
 
 /// Returns the path of a request head; None if the head is incomplete.
-fn path(head: &[u8]) -> Option<std::result::Result<String, Refusal>> {
+fn path(head: &[u8]) -> Option<std::result::Result<String, RequestError>> {
     let mut headers = [httparse::EMPTY_HEADER; 64];
     let mut request = httparse::Request::new(&mut headers);
     match request.parse(head) {
         Ok(httparse::Status::Partial) => return None,
         Ok(httparse::Status::Complete(_)) => {}
-        Err(httparse::Error::TooManyHeaders) => return Some(Err(Refusal::TooLarge)),
-        Err(_) => return Some(Err(Refusal::BadRequest)),
+        Err(httparse::Error::TooManyHeaders) => return Some(Err(RequestError::TooLarge)),
+        Err(_) => return Some(Err(RequestError::BadRequest)),
     }
     let mut hosts = request.headers.iter().filter(|h| h.name.eq_ignore_ascii_case("host"));
     let host = hosts.next().and_then(|host| std::str::from_utf8(host.value).ok());
     Some(match (host, hosts.next(), request.method, request.path) {
-        (Some(host), None, ..) if !is_local_host(host) => Err(Refusal::ForeignHost),
+        (Some(host), None, ..) if !is_local_host(host) => Err(RequestError::ForeignHost),
         (Some(_), None, Some("GET"), Some(path)) => Ok(path.split('?').next().unwrap_or_default().into()),
-        (Some(_), None, Some(_), _) => Err(Refusal::NotGet),
-        _ => Err(Refusal::BadRequest),
+        (Some(_), None, Some(_), _) => Err(RequestError::NotGet),
+        _ => Err(RequestError::BadRequest),
     })
 }
 

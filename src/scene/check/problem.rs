@@ -10,6 +10,6 @@ pub(crate) struct Problem {
 }
 
 /// Returns the error of the field at `path`.
-pub(super) fn refuse<T>(path: impl Into<String>, message: impl Into<String>) -> Result<T, Problem> {
+pub(super) fn problem_at<T>(path: impl Into<String>, message: impl Into<String>) -> Result<T, Problem> {
     Err(Problem { path: path.into(), message: message.into() })
 }

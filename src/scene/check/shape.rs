@@ -1,8 +1,8 @@
 //! Checks of the shape of the object.
 
-use super::problem::{Problem, refuse};
+use super::problem::{Problem, problem_at};
 use crate::object::{ObjectShape, Revolve};
-use base::number::shown;
+use base::number::format_number;
 
 /// Checks the dimensions of a shape against each other.
 pub(super) fn shape(shape: &ObjectShape) -> Result<(), Problem> {
@@ -10,33 +10,41 @@ pub(super) fn shape(shape: &ObjectShape) -> Result<(), Problem> {
         if edge <= most {
             return Ok(());
         }
-        refuse(
+        problem_at(
             "object.shape.edge_radius",
-            format!("edge radius {} m is too large\nallowed here: at most {}", shown(edge), shown(most)),
+            format!(
+                "edge radius {} m is too large\nallowed here: at most {}",
+                format_number(edge),
+                format_number(most)
+            ),
         )
     };
     match shape {
         ObjectShape::Cuboid(c) => rounding(c.edge_radius.get(), c.size.size().min_element() / 2.0),
-        ObjectShape::Annulus(a) if a.inner.get() >= a.outer.get() => refuse(
+        ObjectShape::Annulus(a) if a.inner.get() >= a.outer.get() => problem_at(
             "object.shape.inner",
-            format!("the hole ({} m) must be narrower than outer ({} m)", shown(a.inner.get()), shown(a.outer.get())),
+            format!(
+                "the hole ({} m) must be narrower than outer ({} m)",
+                format_number(a.inner.get()),
+                format_number(a.outer.get())
+            ),
         ),
-        ObjectShape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => refuse(
+        ObjectShape::Cup(c) if c.wall.get() >= c.radius.get().min(c.height.get()) => problem_at(
             "object.shape.wall",
-            format!("wall {} m leaves no cavity\nallowed: below radius and height", shown(c.wall.get())),
+            format!("wall {} m leaves no cavity\nallowed: below radius and height", format_number(c.wall.get())),
         ),
-        ObjectShape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => refuse(
+        ObjectShape::Banana(b) if !(1.0..=170.0).contains(&b.bend_deg.get()) => problem_at(
             "object.shape.bend_deg",
-            format!("a banana bends by 1 to 170 degrees, found {}", shown(b.bend_deg.get())),
+            format!("a banana bends by 1 to 170 degrees, found {}", format_number(b.bend_deg.get())),
         ),
-        ObjectShape::Potato(p) if p.roughness.get() > 0.3 => refuse(
+        ObjectShape::Potato(p) if p.roughness.get() > 0.3 => problem_at(
             "object.shape.roughness",
-            format!("roughness must be at most 0.3, found {}", shown(p.roughness.get())),
+            format!("roughness must be at most 0.3, found {}", format_number(p.roughness.get())),
         ),
         ObjectShape::Revolve(r) => profile(r),
         ObjectShape::Sweep(s) => {
             if s.path.len() < 2 {
-                return refuse("object.shape.path", "a sweep needs at least two points");
+                return problem_at("object.shape.path", "a sweep needs at least two points");
             }
             if s.radii.len() != 1 && s.radii.len() != s.path.len() {
                 let message = format!(
@@ -44,7 +52,7 @@ pub(super) fn shape(shape: &ObjectShape) -> Result<(), Problem> {
                     s.radii.len(),
                     s.path.len()
                 );
-                return refuse("object.shape.radii", message);
+                return problem_at("object.shape.radii", message);
             }
             Ok(())
         }
@@ -55,7 +63,10 @@ pub(super) fn shape(shape: &ObjectShape) -> Result<(), Problem> {
 fn profile(r: &Revolve) -> Result<(), Problem> {
     let (last, fewest) = (r.profile.len().saturating_sub(1), if r.closed { 3 } else { 2 });
     if r.profile.len() < fewest {
-        return refuse("object.shape.profile", format!("a profile of points (r, z) needs at least {fewest} of them"));
+        return problem_at(
+            "object.shape.profile",
+            format!("a profile of points (r, z) needs at least {fewest} of them"),
+        );
     }
     for (i, p) in r.profile.iter().enumerate() {
         let (radius, end) = (p.pair()[0], !r.closed && (i == 0 || i == last));
@@ -66,10 +77,10 @@ fn profile(r: &Revolve) -> Result<(), Problem> {
         };
         let message = format!(
             "{wanted}, found ({}, {})\na ring is a loop of points off the axis with closed: true",
-            shown(radius),
-            shown(p.pair()[1])
+            format_number(radius),
+            format_number(p.pair()[1])
         );
-        return refuse(format!("object.shape.profile[{i}]"), message);
+        return problem_at(format!("object.shape.profile[{i}]"), message);
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::loading::Loading;
 use crate::object::ObjectMotion;
 use crate::schema::Scene;
 use crate::span::Span;
-use base::number::shown;
+use base::number::format_number;
 
 /// Returns the first invalid value, as field and message.
 pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
@@ -25,7 +25,10 @@ pub(super) fn problem(scene: &Scene) -> Option<(String, String)> {
     }
     let [least, most] = task.force.0.map(Positive::get);
     if !(least..=most).contains(&task.start.get()) {
-        return field(".start", &format!("must lie within the allowed force, {} to {} N", shown(least), shown(most)));
+        return field(
+            ".start",
+            &format!("must lie within the allowed force, {} to {} N", format_number(least), format_number(most)),
+        );
     }
     if task.observe.is_empty() {
         return field(".observe", "the agent has no observations\nleave `observe` out for the default");

@@ -1,6 +1,6 @@
 //! Motion that changes the squeezing force.
 
-use super::play::{HandState, Play, Stage};
+use super::profile::{HandState, MotionContext, MotionProfile};
 use crate::leaf::{NonNegative, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +14,12 @@ pub struct Close {
     pub duration: Seconds,
 }
 
-impl Play for Close {
+impl MotionProfile for Close {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
+    fn hand_state(&self, start: &HandState, time: f64, _: &MotionContext) -> HandState {
         let s = (time / self.duration()).min(1.0);
         HandState { force: start.force + s * (self.force.get() - start.force), ..*start }
     }

@@ -1,6 +1,6 @@
 //! Motion that keeps the hand in place.
 
-use super::play::{HandState, Play, Stage};
+use super::profile::{HandState, MotionContext, MotionProfile};
 use crate::leaf::Seconds;
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +12,12 @@ pub struct Hold {
     pub duration: Seconds,
 }
 
-impl Play for Hold {
+impl MotionProfile for Hold {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, _: f64, _: &Stage) -> HandState {
+    fn hand_state(&self, start: &HandState, _: f64, _: &MotionContext) -> HandState {
         *start
     }
 }

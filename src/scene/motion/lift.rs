@@ -1,6 +1,6 @@
 //! Motion against gravity.
 
-use super::play::{HandState, Play, Stage, smooth};
+use super::profile::{HandState, MotionContext, MotionProfile, minimum_jerk};
 use crate::leaf::{Finite, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -14,13 +14,13 @@ pub struct Lift {
     pub duration: Seconds,
 }
 
-impl Play for Lift {
+impl MotionProfile for Lift {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
-        let by = stage.up * (self.height.get() * smooth(time / self.duration()));
+    fn hand_state(&self, start: &HandState, time: f64, stage: &MotionContext) -> HandState {
+        let by = stage.up * (self.height.get() * minimum_jerk(time / self.duration()));
         start.displaced(by)
     }
 

@@ -1,12 +1,12 @@
 //! Motions of the hand in a dynamic scene, executed one after the other: one file per motion, except [`Repeat`],
 //! which holds motions.
 //!
-//! To add a motion, write one file with a struct that implements [`Play`] and one line in `motions!`.
+//! To add a motion, write one file with a struct that implements [`MotionProfile`] and one line in `motions!`.
 
 mod close;
 mod hold;
 mod lift;
-mod play;
+mod profile;
 mod rotate;
 mod shake;
 mod shift;
@@ -14,7 +14,7 @@ mod shift;
 pub use close::Close;
 pub use hold::Hold;
 pub use lift::Lift;
-pub use play::{HandState, Play, Stage};
+pub use profile::{HandState, MotionContext, MotionProfile};
 pub use rotate::Rotate;
 pub use shake::Shake;
 pub use shift::Move;
@@ -33,7 +33,7 @@ macro_rules! motions {
 
         impl Motion {
             /// Returns the motion as a trait object.
-            pub fn play(&self) -> &dyn Play {
+            pub fn as_profile(&self) -> &dyn MotionProfile {
                 match self {
                     $(Motion::$name(motion) => motion,)*
                 }
@@ -69,21 +69,21 @@ pub struct Repeat {
     pub motions: Vec<Motion>,
 }
 
-impl Play for Repeat {
+impl MotionProfile for Repeat {
     fn duration(&self) -> f64 {
         self.times.get() as f64 * duration(&self.motions)
     }
 
-    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
+    fn hand_state(&self, start: &HandState, time: f64, stage: &MotionContext) -> HandState {
         let (mut hand, mut rest, once) = (*start, time, duration(&self.motions));
         for _ in 1..self.times.get() {
             if rest < once {
                 break;
             }
-            hand = follow(&self.motions, &hand, once, stage);
+            hand = hand_state_at(&self.motions, &hand, once, stage);
             rest -= once;
         }
-        follow(&self.motions, &hand, rest, stage)
+        hand_state_at(&self.motions, &hand, rest, stage)
     }
 
     fn squeezes(&self, begin: f64, found: &mut Vec<(f64, f64)>) {
@@ -92,26 +92,26 @@ impl Play for Repeat {
     }
 
     fn needs_gravity(&self) -> bool {
-        self.motions.iter().any(|m| m.play().needs_gravity())
+        self.motions.iter().any(|m| m.as_profile().needs_gravity())
     }
 }
 
 /// Returns the total duration of motions executed one after the other, s.
 pub fn duration(motions: &[Motion]) -> f64 {
-    motions.iter().map(|m| m.play().duration()).sum()
+    motions.iter().map(|m| m.as_profile().duration()).sum()
 }
 
 /// Returns the state of the hand at `time` (s) after the start of `motions` from `start`; after their end, the final
 /// state.
-pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -> HandState {
+pub fn hand_state_at(motions: &[Motion], start: &HandState, time: f64, stage: &MotionContext) -> HandState {
     let (mut hand, mut rest) = (*start, time);
     for motion in motions {
-        let motion = motion.play();
+        let motion = motion.as_profile();
         let duration = motion.duration();
         if rest < duration {
-            return motion.hand(&hand, rest, stage);
+            return motion.hand_state(&hand, rest, stage);
         }
-        hand = motion.hand(&hand, duration, stage);
+        hand = motion.hand_state(&hand, duration, stage);
         rest -= duration;
     }
     hand
@@ -121,8 +121,8 @@ pub fn follow(motions: &[Motion], start: &HandState, time: f64, stage: &Stage) -
 pub fn squeezes(motions: &[Motion]) -> Vec<(f64, f64)> {
     let (mut found, mut begin) = (Vec::new(), 0.0);
     for motion in motions {
-        motion.play().squeezes(begin, &mut found);
-        begin += motion.play().duration();
+        motion.as_profile().squeezes(begin, &mut found);
+        begin += motion.as_profile().duration();
     }
     found
 }

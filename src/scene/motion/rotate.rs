@@ -1,6 +1,6 @@
 //! Rotation of the hand.
 
-use super::play::{HandState, Play, Stage, smooth};
+use super::profile::{HandState, MotionContext, MotionProfile, minimum_jerk};
 use crate::leaf::{Finite, Seconds};
 use crate::vector::Direction;
 use geometry::Pose;
@@ -19,13 +19,13 @@ pub struct Rotate {
     pub duration: Seconds,
 }
 
-impl Play for Rotate {
+impl MotionProfile for Rotate {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, time: f64, stage: &Stage) -> HandState {
-        let angle = self.angle_deg.get().to_radians() * smooth(time / self.duration());
+    fn hand_state(&self, start: &HandState, time: f64, stage: &MotionContext) -> HandState {
+        let angle = self.angle_deg.get().to_radians() * minimum_jerk(time / self.duration());
         let rotation = (start.pose.rotation * DQuat::from_axis_angle(self.axis.unit(), angle)).normalize();
         // The point midway between the pads is the centre of rotation.
         let position = start.pose.transform(stage.center) - rotation * stage.center;

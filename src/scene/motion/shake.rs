@@ -1,6 +1,6 @@
 //! Oscillation of the hand.
 
-use super::play::{HandState, Play, Stage, smooth};
+use super::profile::{HandState, MotionContext, MotionProfile, minimum_jerk};
 use crate::leaf::{Length, Positive, Seconds};
 use crate::vector::Direction;
 use serde::{Deserialize, Serialize};
@@ -21,15 +21,15 @@ pub struct Shake {
     pub duration: Seconds,
 }
 
-impl Play for Shake {
+impl MotionProfile for Shake {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
+    fn hand_state(&self, start: &HandState, time: f64, _: &MotionContext) -> HandState {
         let (duration, frequency) = (self.duration(), self.frequency.get());
         let fade = (1.0 / frequency).min(0.5 * duration);
-        let amplitude = self.amplitude.get() * smooth(time / fade) * smooth((duration - time) / fade);
+        let amplitude = self.amplitude.get() * minimum_jerk(time / fade) * minimum_jerk((duration - time) / fade);
         let by = self.direction.unit() * (amplitude * (TAU * frequency * time).sin());
         start.displaced(by)
     }

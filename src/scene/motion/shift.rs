@@ -1,6 +1,6 @@
 //! Translation of the hand.
 
-use super::play::{HandState, Play, Stage, smooth};
+use super::profile::{HandState, MotionContext, MotionProfile, minimum_jerk};
 use crate::leaf::Seconds;
 use crate::vector::Vec3;
 use serde::{Deserialize, Serialize};
@@ -15,13 +15,13 @@ pub struct Move {
     pub duration: Seconds,
 }
 
-impl Play for Move {
+impl MotionProfile for Move {
     fn duration(&self) -> f64 {
         self.duration.get()
     }
 
-    fn hand(&self, start: &HandState, time: f64, _: &Stage) -> HandState {
-        let by = self.by.dvec3() * smooth(time / self.duration());
+    fn hand_state(&self, start: &HandState, time: f64, _: &MotionContext) -> HandState {
+        let by = self.by.dvec3() * minimum_jerk(time / self.duration());
         start.displaced(by)
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn read(path: &Path, link: &XmlElement, deviation: &mut Deviation) ->
     let needed = |name: &str| number(name)?.ok_or_else(|| missing(&format!("{name} value")));
     let mesh = fem.child("tetmesh").ok_or_else(|| missing("tetmesh filename"))?;
     let mut pose = origin(fem)?;
-    pose.matrix3 = deviation.turned(pose.matrix3);
+    pose.matrix3 = deviation.snap_rotation(pose.matrix3);
     Ok(Some(FemTag {
         pose,
         density: number("density")?,

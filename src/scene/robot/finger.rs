@@ -2,12 +2,12 @@
 //! gripper.
 
 use super::mounting::Mount;
-use super::tolerance::{ANGLE, Deviation, PLACE};
+use super::tolerance::{ANGLE_TOLERANCE, Deviation, POSITION_TOLERANCE};
 use super::tree::{JointRange, LinkTree, Mobility};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Advice for hands that are not parallel grippers.
-const SPELL_OUT: &str =
+const ADVICE: &str =
     "such a hand is not a parallel gripper; give opening, stroke and placement of the pads instead of robot";
 
 /// Finger: centre of its sensing face and its sliding joint, in hand axes.
@@ -31,7 +31,7 @@ impl Finger {
         for _ in 0..=tree.links.len() {
             if at == base {
                 let (direction, joint) =
-                    slides.ok_or_else(|| format!("does not slide relative to {hand:?}; {SPELL_OUT}"))?;
+                    slides.ok_or_else(|| format!("does not slide relative to {hand:?}; {ADVICE}"))?;
                 let drive = tree.drive(joint).map_err(|reason| format!("slides without limits: {reason}"))?;
                 return Ok(Self { position: pose.translation, rotation: pose.matrix3, direction, drive });
             }
@@ -40,12 +40,10 @@ impl Finger {
                 (Mobility::Fixed, _) => {}
                 (Mobility::Slides { axis, joint }, None) => slides = Some((*axis, *joint)),
                 (Mobility::Slides { .. }, Some(_)) => {
-                    return Err(format!("slides by more than one joint relative to {hand:?}; {SPELL_OUT}"));
+                    return Err(format!("slides by more than one joint relative to {hand:?}; {ADVICE}"));
                 }
                 (Mobility::Other(joint), _) => {
-                    return Err(format!(
-                        "is connected to {hand:?} by a joint that does not slide: {joint}; {SPELL_OUT}"
-                    ));
+                    return Err(format!("is connected to {hand:?} by a joint that does not slide: {joint}; {ADVICE}"));
                 }
             }
             pose = link.pose * pose;
@@ -57,15 +55,16 @@ impl Finger {
     }
 
     /// Returns the centre of the sensing face with the joint in the middle of its range, m.
-    fn amid(&self) -> DVec3 {
+    fn midpoint(&self) -> DVec3 {
         let [a, b] = self.drive.range;
         self.position + self.direction * (0.5 * (a + b))
     }
 
     /// Returns the range of the face position along `closing`, m, ascending, rounded to picometres: smaller differences
     /// are rounding errors of rotations, which would make equal descriptions differ.
-    fn along(&self, closing: DVec3) -> [f64; 2] {
-        let [a, b] = self.drive.range.map(|way| whole((self.position + self.direction * way).dot(closing)));
+    fn range_along(&self, closing: DVec3) -> [f64; 2] {
+        let [a, b] =
+            self.drive.range.map(|way| round_to_picometres((self.position + self.direction * way).dot(closing)));
         [a.min(b), a.max(b)]
     }
 
@@ -76,7 +75,7 @@ impl Finger {
 }
 
 /// Rounds a length in m to a whole number of picometres.
-fn whole(length: f64) -> f64 {
+fn round_to_picometres(length: f64) -> f64 {
     (length * 1e12).round() / 1e12
 }
 
@@ -89,17 +88,17 @@ pub(super) fn closing(
     approach: DVec3,
     deviation: &mut Deviation,
 ) -> Result<DVec3, String> {
-    if left.direction.cross(right.direction).length() > ANGLE {
+    if left.direction.cross(right.direction).length() > ANGLE_TOLERANCE {
         let [a, b] = [left.direction, right.direction];
-        return Err(format!("the fingers slide along {a} and {b}; they must be parallel within {ANGLE} rad"));
+        return Err(format!("the fingers slide along {a} and {b}; they must be parallel within {ANGLE_TOLERANCE} rad"));
     }
     // The pads are compared at mid-range, because with the joints at zero they may have passed each other.
-    let apart = right.amid() - left.amid();
+    let apart = right.midpoint() - left.midpoint();
     let along = left.direction * if apart.dot(left.direction) < 0.0 { -1.0 } else { 1.0 };
-    let closing = deviation.snapped(along);
+    let closing = deviation.snap_vector(along);
     if closing.dot(approach) != 0.0 {
         return Err(format!(
-            "the fingers close along {along}; the approach {approach} must be perpendicular to that within {ANGLE} rad"
+            "the fingers close along {along}; the approach {approach} must be perpendicular to that within {ANGLE_TOLERANCE} rad"
         ));
     }
     deviation.add_angle(right.direction, closing);
@@ -121,19 +120,19 @@ pub(super) fn gripper(
                 .into(),
         );
     }
-    let [own, other] = [left.along(closing), right.along(closing)];
-    let [stroke, others] = [own, other].map(|[a, b]| whole(b - a));
-    let unequal = whole(stroke - others).abs() > PLACE;
-    let opening = whole(other[1] - own[0]);
+    let [own, other] = [left.range_along(closing), right.range_along(closing)];
+    let [stroke, others] = [own, other].map(|[a, b]| round_to_picometres(b - a));
+    let unequal = round_to_picometres(stroke - others).abs() > POSITION_TOLERANCE;
+    let opening = round_to_picometres(other[1] - own[0]);
     // Midpoint between the faces along the closing direction, with the fingers open and closed.
-    let [open, closed] = [own[0] + other[1], own[1] + other[0]].map(|sum| whole(0.5 * sum));
+    let [open, closed] = [own[0] + other[1], own[1] + other[0]].map(|sum| round_to_picometres(0.5 * sum));
     let across = approach.cross(closing);
-    let of = |axis: DVec3| [left.position.dot(axis), right.position.dot(axis)].map(whole);
+    let of = |axis: DVec3| [left.position.dot(axis), right.position.dot(axis)].map(round_to_picometres);
     let ([y, other_y], [z, other_z]) = (of(across), of(approach));
     if unequal && !geared {
         return Err(format!(
             "the fingers slide by {stroke} m and {others} m (opening {opening} m); both must slide by the same \
-             distance within {PLACE} m, or follow one joint: {SPELL_OUT}"
+             distance within {POSITION_TOLERANCE} m, or follow one joint: {ADVICE}"
         ));
     }
     // With unequal travels the midpoint moves; if its range contains the middle of the hand, it is not offset.
@@ -144,20 +143,20 @@ pub(super) fn gripper(
     } else {
         open
     };
-    let off = [y - other_y, z - other_z, aside].map(whole);
-    if off.iter().any(|length| length.abs() > PLACE) {
+    let off = [y - other_y, z - other_z, aside].map(round_to_picometres);
+    if off.iter().any(|length| length.abs() > POSITION_TOLERANCE) {
         return Err(format!(
-            "the pads do not face each other within {PLACE} m: in the hand frame they are at y {y}, z {z} and y \
-             {other_y}, z {other_z} m, and {aside} m off its middle along the closing direction; {SPELL_OUT}"
+            "the pads do not face each other within {POSITION_TOLERANCE} m: in the hand frame they are at y {y}, z {z} and y \
+             {other_y}, z {other_z} m, and {aside} m off its middle along the closing direction; {ADVICE}"
         ));
     }
     deviation.add_places(&off);
-    let [y, z] = [0.5 * (y + other_y), 0.5 * (z + other_z)].map(whole);
+    let [y, z] = [0.5 * (y + other_y), 0.5 * (z + other_z)].map(round_to_picometres);
     if !unequal {
-        deviation.add_places(&[whole(stroke - others)]);
+        deviation.add_places(&[round_to_picometres(stroke - others)]);
         return Ok((Mount { opening, stroke: stroke.min(others), y, z }, None));
     }
-    let mean = whole(0.5 * (stroke + others));
+    let mean = round_to_picometres(0.5 * (stroke + others));
     let notice = format!(
         "one joint closes the fingers by {stroke} m and {others} m: they are treated as two fingers that close by \
          {mean} m each towards their midpoint, to which they move a free object; in the hand frame this midpoint moves \

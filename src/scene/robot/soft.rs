@@ -2,10 +2,10 @@
 
 use super::fem::FemTag;
 use super::package;
-use super::tolerance::{Deviation, ROUNDING};
+use super::tolerance::{Deviation, ROUNDING_TOLERANCE};
 use super::tree::{Link, LinkTree, Mobility};
 use super::urdf::origin;
-use super::xml::{XmlElement, plain};
+use super::xml::{XmlElement, without_prefix};
 use geometry::mesh::TriMesh;
 use geometry::mesh::io::{read_tet_mesh, read_tet_mesh_raw, read_tri_mesh};
 use geometry::pad::{Bonding, PadPlacement, read_pad};
@@ -46,23 +46,29 @@ pub(super) fn place(
     deviation: &mut Deviation,
 ) -> Result<(SoftPad, DVec3), String> {
     let back = tag.pose.matrix3.transpose();
-    let outward = deviation.snapped(back * closing);
-    let across = deviation.snapped(back * approach).reject_from_normalized(outward).normalize();
+    let outward = deviation.snap_vector(back * closing);
+    let across = deviation.snap_vector(back * approach).reject_from_normalized(outward).normalize();
     let mesh = &tag.mesh;
     let in_link = |x: DVec3| tag.pose.transform_point3(x * tag.scale);
-    let (raw, _) = read_tet_mesh_raw(mesh).map_err(|e| plain(&e))?;
-    let (carrier, to_carrier) = carrier(tree, elements, pad)?;
+    let (raw, _) = read_tet_mesh_raw(mesh).map_err(|e| without_prefix(&e))?;
+    let (carrier, to_carrier) = link_with_collision_shape(tree, elements, pad)?;
     let core = SurfaceDistance::new(&surface(path, elements[carrier])?);
-    let near =
-        |x: &DVec3| core.outside(to_carrier.transform_point3(in_link(*x))) <= tag.attach + ROUNDING * core.size();
+    let near = |x: &DVec3| {
+        core.distance(to_carrier.transform_point3(in_link(*x))) <= tag.attach + ROUNDING_TOLERANCE * core.size()
+    };
     let bonded: Vec<usize> = (0..raw.nodes.len()).filter(|i| near(&raw.nodes[*i])).collect();
     let about = |e: base::error::Error| {
-        format!("{} (within <attachDistance> {} m of link {:?})", plain(&e), tag.attach, tree.links[carrier].name)
+        format!(
+            "{} (within <attachDistance> {} m of link {:?})",
+            without_prefix(&e),
+            tag.attach,
+            tree.links[carrier].name
+        )
     };
     let placement = PadPlacement { outward, across: Some(across), bonding: Bonding::Nodes(bonded.clone()) };
     let (placed, _) = read_pad(mesh, &placement, None).map_err(about)?;
     // Both readers keep the node order, so the first node yields the position of the pad origin in mesh axes.
-    let (first, _) = read_tet_mesh(mesh).map_err(|e| plain(&e))?;
+    let (first, _) = read_tet_mesh(mesh).map_err(|e| without_prefix(&e))?;
     let axes = DMat3::from_cols(across, outward.cross(across), outward);
     let center = first.nodes[0] - axes * placed.mesh.nodes[0];
     let (mesh, scale, young, poisson, density) = (mesh.clone(), tag.scale, tag.young, tag.poisson, tag.density);
@@ -71,7 +77,11 @@ pub(super) fn place(
 
 /// Returns the first link from `pad` upwards, along fixed joints, that has a collision shape, and the transform from
 /// the axes of `pad` to its axes.
-fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usize, DAffine3), String> {
+fn link_with_collision_shape(
+    tree: &LinkTree,
+    elements: &[&XmlElement],
+    pad: usize,
+) -> Result<(usize, DAffine3), String> {
     let (mut at, mut pose) = (pad, DAffine3::IDENTITY);
     for _ in 0..=tree.links.len() {
         if elements[at].child("collision").is_some() {
@@ -87,7 +97,7 @@ fn carrier(tree: &LinkTree, elements: &[&XmlElement], pad: usize) -> Result<(usi
 /// Returns the collision surface of a link of the URDF at `path`, in link axes, m.
 fn surface(path: &Path, link: &XmlElement) -> Result<TriMesh, String> {
     let mut whole = TriMesh::default();
-    for collision in link.each("collision") {
+    for collision in link.children_with_tag("collision") {
         let pose = origin(collision)?;
         let of = collision.child("geometry").and_then(|geometry| geometry.children.first());
         let of = of.ok_or_else(|| collision.error("has no <geometry>"))?;
@@ -116,7 +126,7 @@ fn part(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
         "sphere" => ShapeKind::Sphere { radius: length("radius")? },
         _ => return Err(of.error("is not a supported geometry; allowed: mesh, box, cylinder, capsule, sphere")),
     };
-    let shape = kind.build(DEFAULT_SEGMENTS).map_err(|e| of.error(plain(&e)))?;
+    let shape = kind.build(DEFAULT_SEGMENTS).map_err(|e| of.error(without_prefix(&e)))?;
     Ok((*shape.surface).clone())
 }
 
@@ -126,7 +136,7 @@ fn mesh(path: &Path, of: &XmlElement) -> Result<TriMesh, String> {
     if scale.abs().min_element() == 0.0 {
         return Err(of.error(format_args!("has scale {scale} and therefore no volume; each factor must be nonzero")));
     }
-    let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| plain(&e))?;
+    let (mut mesh, _) = read_tri_mesh(package::file(path, of)?).map_err(|e| without_prefix(&e))?;
     mesh.vertices.iter_mut().for_each(|x| *x *= scale);
     // A reflection reverses the orientation of the triangles.
     if scale.to_array().iter().filter(|factor| **factor < 0.0).count() % 2 == 1 {

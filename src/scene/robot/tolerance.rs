@@ -4,11 +4,11 @@
 use glam::{DMat3, DVec3};
 
 /// Angular tolerance, rad: accepts 3.14, 1.57, 3.1416 and rounded quaternions as right angles.
-pub(super) const ANGLE: f64 = 2e-3;
+pub(super) const ANGLE_TOLERANCE: f64 = 2e-3;
 /// Position tolerance, m.
-pub(super) const PLACE: f64 = 1e-4;
+pub(super) const POSITION_TOLERANCE: f64 = 1e-4;
 /// Difference attributed to rounding, m or rad.
-pub(super) const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING_TOLERANCE: f64 = 1e-9;
 
 /// Largest deviations that were accepted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,19 +20,20 @@ pub(super) struct Deviation {
 }
 
 impl Deviation {
-    /// Returns a unit vector with components below [`ANGLE`] set to zero: a vector within that angle of an axis is
-    /// snapped to it.
-    pub fn snapped(&mut self, v: DVec3) -> DVec3 {
-        let squared = DVec3::from_array(v.to_array().map(|c| if c.abs() < ANGLE { 0.0 } else { c })).normalize();
+    /// Returns a unit vector with components below [`ANGLE_TOLERANCE`] set to zero: a vector within that angle of an
+    /// axis is snapped to it.
+    pub fn snap_vector(&mut self, v: DVec3) -> DVec3 {
+        let squared =
+            DVec3::from_array(v.to_array().map(|c| if c.abs() < ANGLE_TOLERANCE { 0.0 } else { c })).normalize();
         self.add_angle(v, squared);
         squared
     }
 
-    /// Returns the rotation snapped to right angles if each of its axes is within [`ANGLE`] of a coordinate axis,
-    /// otherwise unchanged.
-    pub fn turned(&mut self, rotation: DMat3) -> DMat3 {
+    /// Returns the rotation snapped to right angles if each of its axes is within [`ANGLE_TOLERANCE`] of a coordinate
+    /// axis, otherwise unchanged.
+    pub fn snap_rotation(&mut self, rotation: DMat3) -> DMat3 {
         let mut own = Self::default();
-        let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| own.snapped(axis));
+        let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| own.snap_vector(axis));
         if axes.iter().any(|axis| axis.abs().max_element() < 1.0) {
             return rotation;
         }
@@ -56,7 +57,7 @@ impl Deviation {
         let place = format!("pads with offsets of up to {:.2} um as facing each other", self.place * 1e6);
         let taken: Vec<String> = [(self.angle, angle), (self.place, place)]
             .into_iter()
-            .filter(|(off, _)| *off > ROUNDING)
+            .filter(|(off, _)| *off > ROUNDING_TOLERANCE)
             .map(|(_, t)| t)
             .collect();
         (!taken.is_empty()).then(|| format!("treats {}", taken.join(", ")))

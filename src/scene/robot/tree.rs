@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 const LISTED: usize = 20;
 
 /// Maximum number of links; bounds the growth through nested attachments of models.
-pub(super) const LINKS: usize = 1 << 20;
+pub(super) const MAX_LINKS: usize = 1 << 20;
 
 /// Coordinate frame of a link, body or site.
 #[derive(Debug, Clone)]

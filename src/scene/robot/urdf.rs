@@ -7,19 +7,20 @@ use std::collections::HashMap;
 
 /// Reads the links of a `<robot>`; returns the tree and the XML elements of the links.
 pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), String> {
-    expanded(robot)?;
+    check_expanded(robot)?;
     let mut tree = LinkTree::default();
-    let elements: Vec<&XmlElement> = robot.each("link").collect();
+    let elements: Vec<&XmlElement> = robot.children_with_tag("link").collect();
     let links = by_name(&elements)?;
     for element in &elements {
-        let name = element.needed("name")?.to_string();
+        let name = element.required_text("name")?.to_string();
         tree.links.push(Link { name, site: false, parent: None, pose: DAffine3::IDENTITY, mobility: Mobility::Fixed });
     }
-    let joints: Vec<&XmlElement> = robot.each("joint").collect();
+    let joints: Vec<&XmlElement> = robot.children_with_tag("joint").collect();
     let numbers = by_name(&joints)?;
     for (number, joint) in joints.iter().enumerate() {
         let end = |tag: &str| {
-            let name = joint.child(tag).ok_or_else(|| joint.error(format_args!("has no <{tag}>")))?.needed("link")?;
+            let name =
+                joint.child(tag).ok_or_else(|| joint.error(format_args!("has no <{tag}>")))?.required_text("link")?;
             let missing = || joint.error(format_args!("refers to the link {name:?}, which does not exist"));
             links.get(name).copied().ok_or_else(missing)
         };
@@ -32,25 +33,25 @@ pub(super) fn read(robot: &XmlElement) -> Result<(LinkTree, Vec<&XmlElement>), S
         link.parent = Some(parent);
         link.pose = origin(joint)?;
         link.mobility = mobility(joint, number)?;
-        let mimic = joint.child("mimic").map(|mimic| follows(mimic, &numbers)).transpose()?;
-        tree.joints.push(Joint { name: joint.needed("name")?.to_string(), range: range(joint), mimic });
+        let mimic = joint.child("mimic").map(|mimic| read_mimic(mimic, &numbers)).transpose()?;
+        tree.joints.push(Joint { name: joint.required_text("name")?.to_string(), range: range(joint), mimic });
     }
     Ok((tree, elements))
 }
 
 /// Rejects unexpanded xacro macros.
-fn expanded(element: &XmlElement) -> Result<(), String> {
+fn check_expanded(element: &XmlElement) -> Result<(), String> {
     if element.tag.starts_with("xacro:") {
         return Err(element.error("is a macro; expand the file first: xacro FILE > robot.urdf"));
     }
-    element.children.iter().try_for_each(expanded)
+    element.children.iter().try_for_each(check_expanded)
 }
 
 /// Returns the indices of elements by name; fails if a name is not unique.
 fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, String> {
     let mut numbers = HashMap::new();
     for (number, element) in elements.iter().enumerate() {
-        if numbers.insert(element.needed("name")?, number).is_some() {
+        if numbers.insert(element.required_text("name")?, number).is_some() {
             return Err(element.error("has the name of an earlier element; give each a unique name"));
         }
     }
@@ -61,14 +62,14 @@ fn by_name<'a>(elements: &[&'a XmlElement]) -> Result<HashMap<&'a str, usize>, S
 pub(super) fn origin(of: &XmlElement) -> Result<DAffine3, String> {
     let Some(origin) = of.child("origin") else { return Ok(DAffine3::IDENTITY) };
     let [xyz, rpy] = [origin.numbers("xyz")?, origin.numbers("rpy")?].map(Option::unwrap_or_default);
-    origin.radians("rpy", &rpy)?;
+    origin.check_radians("rpy", &rpy)?;
     let [roll, pitch, yaw] = rpy;
     let rotation = DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll);
     Ok(DAffine3::from_rotation_translation(rotation, DVec3::from_array(xyz)))
 }
 
 fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
-    match joint.needed("type")? {
+    match joint.required_text("type")? {
         "fixed" => Ok(Mobility::Fixed),
         "prismatic" => {
             let axis = joint.child("axis").map(|axis| axis.numbers("xyz")).transpose()?.flatten();
@@ -80,8 +81,8 @@ fn mobility(joint: &XmlElement, number: usize) -> Result<Mobility, String> {
     }
 }
 
-fn follows(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
-    let name = mimic.needed("joint")?;
+fn read_mimic(mimic: &XmlElement, numbers: &HashMap<&str, usize>) -> Result<Mimic, String> {
+    let name = mimic.required_text("joint")?;
     let missing = || mimic.error(format_args!("refers to the joint {name:?}, which does not exist"));
     let leader = *numbers.get(name).ok_or_else(missing)?;
     let (gear, offset) = (mimic.number("multiplier")?.unwrap_or(1.0), mimic.number("offset")?.unwrap_or(0.0));

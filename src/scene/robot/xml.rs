@@ -1,7 +1,7 @@
 //! XML elements with their file positions, and numbers in their attributes.
 
-use super::tolerance::ANGLE;
-use base::files::include::{SIZE_LIMIT, may_include};
+use super::tolerance::ANGLE_TOLERANCE;
+use base::files::include::{MAX_TOTAL_SIZE, check_include};
 use base::files::regular;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Maximum nesting depth of elements, because trees are traversed recursively.
-pub(super) const DEPTH: usize = 256;
+pub(super) const MAX_DEPTH: usize = 256;
 
 /// Text of an XML file.
 #[derive(Debug)]
@@ -95,17 +95,17 @@ impl XmlElement {
     ///
     /// # Errors
     /// Fails if it is missing.
-    pub fn needed(&self, name: &str) -> Result<&str, String> {
+    pub fn required_text(&self, name: &str) -> Result<&str, String> {
         self.text(name).ok_or_else(|| self.error(format_args!("has no {name}=\"...\"")))
     }
 
     /// Returns the first child with this tag.
     pub fn child(&self, tag: &str) -> Option<&XmlElement> {
-        self.each(tag).next()
+        self.children_with_tag(tag).next()
     }
 
     /// Iterates over the children with this tag.
-    pub fn each(&self, tag: &str) -> impl Iterator<Item = &XmlElement> {
+    pub fn children_with_tag(&self, tag: &str) -> impl Iterator<Item = &XmlElement> {
         self.children.iter().filter(move |child| child.tag == tag)
     }
 
@@ -145,8 +145,8 @@ impl XmlElement {
     ///
     /// # Errors
     /// Fails if an angle exceeds a full turn.
-    pub fn radians(&self, name: &str, angles: &[f64]) -> Result<(), String> {
-        match (angles.iter().find(|angle| angle.abs() > TAU + ANGLE), self.attribute(name)) {
+    pub fn check_radians(&self, name: &str, angles: &[f64]) -> Result<(), String> {
+        match (angles.iter().find(|angle| angle.abs() > TAU + ANGLE_TOLERANCE), self.attribute(name)) {
             (Some(angle), Some(attribute)) => {
                 let right = angle.to_radians();
                 let advice = format_args!("angles are in radians here, {angle} degrees are {right:.7}");
@@ -163,7 +163,7 @@ impl XmlElement {
 
     /// Returns the element without its children, plus those attributes of `base` that it lacks and for which `may` is
     /// true.
-    pub fn over(&self, base: &XmlElement, may: impl Fn(&str) -> bool) -> XmlElement {
+    pub fn with_defaults(&self, base: &XmlElement, may: impl Fn(&str) -> bool) -> XmlElement {
         let lacks = |attribute: &&Attribute| self.text(&attribute.name).is_none() && may(&attribute.name);
         let inherited = base.attributes.iter().filter(lacks);
         XmlElement {
@@ -197,8 +197,8 @@ impl XmlReader {
         inside: impl FnOnce(XmlElement, &mut Self) -> Result<T, String>,
     ) -> Result<T, String> {
         let at = |message: String| by.map_or(message.clone(), |element| element.error(message));
-        may_include(path, &self.chain, self.files).map_err(at)?;
-        let bytes = regular::read(path, SIZE_LIMIT - self.bytes).map_err(|e| at(plain(&e)))?;
+        check_include(path, &self.chain, self.files).map_err(at)?;
+        let bytes = regular::read(path, MAX_TOTAL_SIZE - self.bytes).map_err(|e| at(without_prefix(&e)))?;
         self.bytes += bytes.len() as u64;
         self.files += 1;
         let text = String::from_utf8(bytes).map_err(|e| {
@@ -215,7 +215,7 @@ impl XmlReader {
 }
 
 /// Returns the message of an error without the prefix `error: `.
-pub(super) fn plain(error: &base::error::Error) -> String {
+pub(super) fn without_prefix(error: &base::error::Error) -> String {
     let message = error.to_string();
     message.strip_prefix("error: ").map(str::to_string).unwrap_or(message)
 }
@@ -231,9 +231,9 @@ fn parse(text: XmlText) -> Result<XmlElement, String> {
             .read_event()
             .map_err(|e| text.error(reader.error_position() as usize, format_args!("is not valid XML: {e}")))?;
         let done = match event {
-            Event::Start(tag) | Event::Empty(tag) if open.len() == DEPTH => {
+            Event::Start(tag) | Event::Empty(tag) if open.len() == MAX_DEPTH => {
                 let tag = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
-                return Err(text.error(at, format_args!("<{tag}> is nested in more than {DEPTH} elements")));
+                return Err(text.error(at, format_args!("<{tag}> is nested in more than {MAX_DEPTH} elements")));
             }
             Event::Start(tag) => {
                 open.push(XmlElement::new(&tag, at, &text)?);

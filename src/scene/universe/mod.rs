@@ -19,7 +19,7 @@ use super::objects::{Entry, Name};
 use super::span::Span;
 use super::vector::{Tuple, Vec3};
 use base::random::Random;
-use draws::{Draws, written};
+use draws::{Draws, round_for_text};
 use serde::{Deserialize, Serialize};
 
 pub use pad::PadSpans;
@@ -149,7 +149,7 @@ impl Universe {
     /// Returns the random numbers for item `index` of a stream.
     fn draws(&self, stream: u64, index: usize) -> Draws {
         let words = [self.seed, stream, index as u64];
-        Draws(Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).bits())))
+        Draws(Random::new(words.into_iter().fold(0, |state, word| Random::new(state ^ word).next_u64())))
     }
 
     fn entry(&self, index: usize, gripper: &Gripper, squeeze: &Squeeze) -> Entry {
@@ -157,28 +157,29 @@ impl Universe {
         let family = self.families[index % self.families.len()];
         // Sensors do not depend on the seed: data sets of several seeds share their sensors, whose responses are
         // computed once.
-        let mut sensor = Self { seed: 0, ..self.clone() }.draws(SENSORS, draws.0.below(self.sensors.get()));
+        let mut sensor = Self { seed: 0, ..self.clone() }.draws(SENSORS, draws.0.uniform_below(self.sensors.get()));
         let (pads, thickness) = self.pads.draw(&mut sensor);
         let [low, high] = [0, 1].map(|k| (0.5 - self.poisson.0[k].get()).ln());
-        let poisson = written(0.5 - sensor.between(low, high).exp());
+        let poisson = round_for_text(0.5 - sensor.between(low, high).exp());
         let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
         let (shape, volume) = family.draw(width, &mut draws);
-        let friction = written(draws.within(&self.friction));
+        let friction = round_for_text(draws.within(&self.friction));
         let spec = gripper.material.spec();
-        let force = written(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
+        let force = round_for_text(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
         let square = draws.is_in(self.square.get()) && family.has_faces();
-        let tilt = if square { Positive::preset(PERPENDICULAR_TILT_DEG) } else { defaults::TILT };
+        let tilt = if square { Positive::new_unchecked(PERPENDICULAR_TILT_DEG) } else { defaults::TILT };
         let single = draws.is_in(self.single.get());
-        let release = written((draws.factor(&self.release) * 2.0 * spec.young * thickness * thickness).min(force));
+        let release =
+            round_for_text((draws.factor(&self.release) * 2.0 * spec.young * thickness * thickness).min(force));
         let weight = self.weight.get().min(WEIGHT_LIMITS[0] * friction) * force * draws.between(0.05, 1.0);
         let heavy = draws.is_in(self.heavy.get() * f64::from(u8::from(!single))).then(|| {
-            let first = Positive::preset(written(weight / (WEIGHT_LIMITS[1] * friction)));
+            let first = Positive::new_unchecked(round_for_text(weight / (WEIGHT_LIMITS[1] * friction)));
             (weight / (GRAVITY * volume), first, direction(&mut draws))
         });
         let carried = if heavy.is_some() { weight } else { 0.0 };
         let (density, first, release) = heavy
             .map_or((defaults::OBJECT_DENSITY, None, release), |(density, first, _)| {
-                (Positive::preset(written(density)), Some(first), first.get())
+                (Positive::new_unchecked(round_for_text(density)), Some(first), first.get())
             });
         let pushed = draws.is_in(self.pushed.get() * f64::from(u8::from(!single)));
         let frames = squeeze.frames.get();
@@ -186,9 +187,9 @@ impl Universe {
         let push = (pushed && after > 0 && after < frames).then(|| {
             let holds = friction * force - carried;
             let (force, torque) = push(self.push.get() * draws.between(0.05, 1.0), holds, thickness, &mut draws);
-            ObjectPush { force, torque, frames: Count::preset(after as u64) }
+            ObjectPush { force, torque, frames: Count::new_unchecked(after as u64) }
         });
-        let frames = if push.is_some() { Count::preset((frames - after) as u64) } else { squeeze.frames };
+        let frames = if push.is_some() { Count::new_unchecked((frames - after) as u64) } else { squeeze.frames };
         Entry {
             name: Name::near(&format!("{}-{index:04}", family.name())),
             object: Object {
@@ -204,7 +205,7 @@ impl Universe {
                 spin: None,
             },
             grasps: Some(Grasps::Antipodal(Antipodal {
-                count: Count::preset(self.grasps.get() as u64),
+                count: Count::new_unchecked(self.grasps.get() as u64),
                 seed: index as u64,
                 tilt_deg: tilt,
             })),
@@ -212,15 +213,15 @@ impl Universe {
                 pads,
                 // `problem` has checked that the values are in the range of the material.
                 material: gripper.material.with(spec.young, poisson).unwrap_or(gripper.material),
-                friction: NonNegative::preset(friction),
+                friction: NonNegative::new_unchecked(friction),
                 fingers: if single { Fingers::One } else { gripper.fingers },
                 ..gripper.clone()
             }),
             loading: Some(Loading::Squeeze(Squeeze {
                 // One finger carries the whole force, each of two fingers one half.
-                force: Positive::preset(if single { 0.5 * force } else { force }),
+                force: Positive::new_unchecked(if single { 0.5 * force } else { force }),
                 from: first,
-                release: (!single).then(|| Positive::preset(release)),
+                release: (!single).then(|| Positive::new_unchecked(release)),
                 frames,
                 push,
             })),
@@ -234,7 +235,7 @@ fn direction(draws: &mut Draws) -> Vec3 {
     let (z, angle) = (draws.between(-1.0, 1.0), draws.between(0.0, std::f64::consts::TAU));
     let r = (1.0 - z * z).max(0.0).sqrt();
     let along = [r * angle.cos(), r * angle.sin(), z];
-    Tuple(along.map(|v| super::leaf::Finite::preset(written(GRAVITY * v))))
+    Tuple(along.map(|v| super::leaf::Finite::new_unchecked(round_for_text(GRAVITY * v))))
 }
 
 /// Draws the force, N, and torque, N m, of a push: a force perpendicular to the closing direction and a torque about
@@ -244,7 +245,7 @@ fn push(part: f64, holds: f64, thickness: f64, draws: &mut Draws) -> (Vec3, Vec3
     let [across, kind, about] = [(); 3].map(|()| draws.between(0.0, std::f64::consts::TAU));
     let (force, torque) = (part * holds * kind.cos(), part * holds * TORQUE_RATIO * thickness);
     let tilt = torque * draws.between(0.0, 0.5);
-    let vector = |v: [f64; 3]| Tuple(v.map(|v| super::leaf::Finite::preset(written(v))));
+    let vector = |v: [f64; 3]| Tuple(v.map(|v| super::leaf::Finite::new_unchecked(round_for_text(v))));
     (
         vector([0.0, force * across.cos(), force * across.sin()]),
         vector([torque * kind.sin(), tilt * about.cos(), tilt * about.sin()]),

@@ -1,6 +1,6 @@
 //! Pads drawn at random.
 
-use super::draws::{Draws, written};
+use super::draws::{Draws, round_for_text};
 use crate::defaults;
 use crate::leaf::{Length, NonNegative};
 use crate::pad::{BoxPad, DiscPad, GelShape, GelSightMini, Pads};
@@ -56,19 +56,19 @@ impl PadSpans {
     /// Draws a pad; returns it with its thickness, m.
     pub(super) fn draw(&self, draws: &mut Draws) -> (Pads, f64) {
         let (length, width) = (draws.within(&self.length), draws.within(&self.width));
-        let thickness = written(draws.factor(&self.thickness));
-        let [length, width] = [length, width].map(|size| written(size.min(MAX_ASPECT * thickness)));
+        let thickness = round_for_text(draws.factor(&self.thickness));
+        let [length, width] = [length, width].map(|size| round_for_text(size.min(MAX_ASPECT * thickness)));
         let cells = draws.factor(&self.cells);
         let kind = draws.between(0.0, 1.0);
         let spacing = |area: f64, thickness: f64| {
             let cell = (area / cells).sqrt().clamp(thickness / LAYERS, MAX_CELL * thickness);
-            Some(Length::preset(written(cell)))
+            Some(Length::new_unchecked(round_for_text(cell)))
         };
         if kind < self.round.get() {
-            let radius = written(0.5 * (length * width).sqrt());
+            let radius = round_for_text(0.5 * (length * width).sqrt());
             let disc = DiscPad {
-                radius: Length::preset(radius),
-                thickness: Length::preset(thickness),
+                radius: Length::new_unchecked(radius),
+                thickness: Length::new_unchecked(thickness),
                 spacing: spacing(ROUND * ROUND * std::f64::consts::PI * radius * radius, thickness),
                 accuracy: None,
                 grading: defaults::PAD_GRADING,
@@ -81,7 +81,7 @@ impl PadSpans {
             let spacing = spacing(length * width, thickness);
             (Pads::GelSightMini(GelSightMini { shape, spacing, ..GelSightMini::default() }), thickness)
         } else {
-            let size = Tuple([length, width, thickness].map(Length::preset));
+            let size = Tuple([length, width, thickness].map(Length::new_unchecked));
             let spacing = spacing(length * width, thickness);
             let (grading, focus) = (defaults::PAD_GRADING, defaults::PAD_FOCUS);
             (Pads::Box(BoxPad { size, cells: None, spacing, accuracy: None, grading, focus }), thickness)

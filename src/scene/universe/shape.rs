@@ -1,6 +1,6 @@
 //! Shapes drawn at random.
 
-use super::draws::{Draws, written};
+use super::draws::{Draws, round_for_text};
 use crate::leaf::{Count, Depth, Finite, Length, NonNegative, Positive};
 use crate::object::*;
 use crate::vector::{Tuple, Vec2};
@@ -48,7 +48,7 @@ const ASPECT: [f64; 2] = [1.0, 2.5];
 const PROFILE: usize = 12;
 
 fn length(value: f64) -> Length {
-    Length::preset(written(value))
+    Length::new_unchecked(round_for_text(value))
 }
 
 impl Family {
@@ -110,7 +110,7 @@ impl Family {
             Family::Cuboid | Family::RoundedCuboid => {
                 let rounded = self == Family::RoundedCuboid;
                 let edge = if rounded { part(draws, 0.04, 0.4) * width } else { 0.0 };
-                let edge_radius = Depth::preset(if rounded { written(edge) } else { 0.0 });
+                let edge_radius = Depth::new_unchecked(if rounded { round_for_text(edge) } else { 0.0 });
                 let size = Tuple([length(a), length(b), length(c)]);
                 (ObjectShape::Cuboid(Cuboid { size, edge_radius }), a * b * c)
             }
@@ -129,11 +129,11 @@ impl Family {
                 (ObjectShape::Capsule(shape), PI * radius * radius * (height + 4.0 / 3.0 * radius))
             }
             Family::Prism => {
-                let (sides, height) = (3 + draws.0.below(6), width * part(draws, 0.6, 3.0));
+                let (sides, height) = (3 + draws.0.uniform_below(6), width * part(draws, 0.6, 3.0));
                 let turn = 2.0 * PI / sides as f64;
                 let volume = 0.5 * sides as f64 * radius * radius * turn.sin() * height;
                 let shape =
-                    Prism { sides: Count::preset(sides as u64), radius: length(radius), height: length(height) };
+                    Prism { sides: Count::new_unchecked(sides as u64), radius: length(radius), height: length(height) };
                 (ObjectShape::Prism(shape), volume)
             }
             Family::Annulus => {
@@ -164,14 +164,14 @@ impl Family {
             }
             Family::Banana => {
                 let long = width * part(draws, 3.0, 5.0);
-                let bend_deg = Positive::preset(written(part(draws, 20.0, 100.0)));
+                let bend_deg = Positive::new_unchecked(round_for_text(part(draws, 20.0, 100.0)));
                 let shape = Banana { length: length(long), diameter: length(width), bend_deg };
                 (ObjectShape::Banana(shape), 0.6 * long * width * width)
             }
             Family::Potato => {
                 let radii = Tuple([a, b, c].map(|extent| length(0.5 * extent)));
-                let roughness = NonNegative::preset(written(part(draws, 0.02, 0.1)));
-                let seed = draws.0.bits() % 1_000_000;
+                let roughness = NonNegative::new_unchecked(round_for_text(part(draws, 0.02, 0.1)));
+                let seed = draws.0.next_u64() % 1_000_000;
                 (ObjectShape::Potato(Potato { radii, roughness, seed }), PI / 6.0 * a * b * c)
             }
             Family::Revolve => {
@@ -181,7 +181,7 @@ impl Family {
                     PI / 3.0 * (high - low) * (r * r + r * s + s * s)
                 };
                 let volume = points.windows(2).map(frustum).sum();
-                let point = |p: &[f64; 2]| -> Vec2 { Tuple(p.map(Finite::preset)) };
+                let point = |p: &[f64; 2]| -> Vec2 { Tuple(p.map(Finite::new_unchecked)) };
                 (ObjectShape::Revolve(Revolve { profile: points.iter().map(point).collect(), closed: false }), volume)
             }
         }
@@ -193,7 +193,7 @@ impl Family {
 fn profile(radius: f64, height: f64, draws: &mut Draws) -> Vec<[f64; 2]> {
     let smooth = draws.is_in(0.6);
     let waves: Vec<[f64; 2]> = (1..=3).map(|_| [draws.between(-0.25, 0.25), draws.between(0.0, 2.0 * PI)]).collect();
-    let steps = if smooth { PROFILE } else { 2 + draws.0.below(3) };
+    let steps = if smooth { PROFILE } else { 2 + draws.0.uniform_below(3) };
     let at = |k: usize| {
         let part = if smooth { (k as f64 + 0.5) / steps as f64 } else { k as f64 / (steps - 1) as f64 };
         let round = if smooth { (1.0 - (2.0 * part - 1.0).powi(2)).max(0.0).sqrt() } else { 1.0 };
@@ -203,7 +203,7 @@ fn profile(radius: f64, height: f64, draws: &mut Draws) -> Vec<[f64; 2]> {
     };
     let inner: Vec<[f64; 2]> = (0..steps).map(at).collect();
     let most = inner.iter().map(|[r, _]| *r).fold(0.0, f64::max);
-    let inner = inner.into_iter().map(|[r, z]| [written(radius * r / most), written(z)]);
-    let ends = [[0.0, written(-0.5 * height)], [0.0, written(0.5 * height)]];
+    let inner = inner.into_iter().map(|[r, z]| [round_for_text(radius * r / most), round_for_text(z)]);
+    let ends = [[0.0, round_for_text(-0.5 * height)], [0.0, round_for_text(0.5 * height)]];
     std::iter::once(ends[0]).chain(inner).chain([ends[1]]).collect()
 }

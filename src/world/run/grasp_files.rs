@@ -104,7 +104,7 @@ impl GraspRecorder {
         if let Some(collection) = &mut self.collection {
             let pads = format!("frames/frame_{:04}.vtu", frame.index);
             write_atomic(&self.dir.join(&pads), vtu::pads(&self.topologies, frame).as_bytes())?;
-            let here = (frame.shown_point(frame.object_position), frame.shown_rotation());
+            let here = (frame.to_display_point(frame.object_position), frame.display_rotation());
             let object = match &self.shown {
                 // The object is still at the pose of this file.
                 Some((file, there)) if near(*there, here) => file.clone(),

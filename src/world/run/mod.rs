@@ -17,8 +17,8 @@ use base::interrupt;
 use geometry::Pose;
 pub use grasp_files::GraspRecorder;
 use model::Model;
-use model::judge::Findings;
-use model::judge::Measured;
+use model::evaluation::Findings;
+use model::evaluation::GraspMeasurements;
 use model::limits::free_memory;
 pub use options::RecordingOptions;
 use record::{Frame, GraspSummary, Status};
@@ -69,7 +69,7 @@ pub struct Outcome {
     /// Summary for `run.json`.
     pub summary: GraspSummary,
     /// Quantities for the scene's expectations.
-    pub measured: Measured,
+    pub measured: GraspMeasurements,
     /// Times of the stages, s: the stages of the stepper; `spawn`, creation of the world; `first_contact`, placing and
     /// closing; `record`, the observer; `other`, the rest.
     pub timings: Timings,
@@ -194,7 +194,7 @@ pub fn run_grasp(
 /// Sums and extremes over the frames of a grasp.
 #[derive(Default)]
 struct Tally {
-    measured: Option<Measured>,
+    measured: Option<GraspMeasurements>,
     summary: Option<GraspSummary>,
     motion: motion::MotionTally,
     /// Fault of the first frame that is physically impossible; not every backend stops there.
@@ -203,17 +203,17 @@ struct Tally {
 
 impl Tally {
     fn observe(&mut self, model: &Model, frame: &Frame, findings: Option<Findings>) {
-        let m = self.measured.get_or_insert_with(|| Measured {
+        let m = self.measured.get_or_insert_with(|| GraspMeasurements {
             force_balance: 0.0,
             torque_balance: 0.0,
-            ..Measured::default()
+            ..GraspMeasurements::default()
         });
         let normal = |i: usize| frame.pads[i].wrench.force.dot(model.fingers[i].placement.closing).abs();
         m.force_n = (0..frame.pads.len()).map(normal).sum();
         for (slot, travel) in m.travel_m.iter_mut().zip(&frame.travel) {
             *slot = *travel;
         }
-        m.findings = m.findings.map_or(findings, |old| findings.map(|new| old.worst(new)));
+        m.findings = m.findings.map_or(findings, |old| findings.map(|new| old.merge_worst(new)));
         m.force_balance = m.force_balance.max(frame.force_balance);
         m.torque_balance = m.torque_balance.max(frame.torque_balance);
         let stress = frame.pads.iter().flat_map(|p| &p.von_mises_node).copied().reduce(f64::max);
@@ -224,7 +224,7 @@ impl Tally {
         if let Some(moving) = &frame.moving {
             self.motion.observe(m, model, frame, moving);
         }
-        let unsound = findings.is_some_and(|f| !f.is_sound()) || frame.min_det_f <= 0.0;
+        let unsound = findings.is_some_and(|f| !f.is_admissible()) || frame.min_det_f <= 0.0;
         if unsound && self.unsound.is_none() {
             let x: Vec<_> = frame.pads.iter().map(|pad| &pad.position[..]).collect();
             let finite = findings.is_none_or(|f| f.finite);

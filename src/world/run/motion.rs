@@ -2,8 +2,8 @@
 
 use glam::{DQuat, DVec3};
 use model::Model;
-use model::judge::Measured;
-use record::{Frame, Moving};
+use model::evaluation::GraspMeasurements;
+use record::{DynamicState, Frame};
 
 /// Tally of the motion of an object over the frames of a grasp.
 #[derive(Debug, Default)]
@@ -14,7 +14,7 @@ pub struct MotionTally {
 
 impl MotionTally {
     /// Adds a frame to the tally.
-    pub fn observe(&mut self, m: &mut Measured, model: &Model, frame: &Frame, moving: &Moving) {
+    pub fn observe(&mut self, m: &mut GraspMeasurements, model: &Model, frame: &Frame, moving: &DynamicState) {
         let Some(dynamics) = &model.dynamics else { return };
         let (position, rotation) = (frame.object_position, frame.object_rotation);
         let center = model.object.mass.center;
@@ -45,7 +45,7 @@ impl MotionTally {
 }
 
 /// Returns the larger of the relative changes of linear and angular momentum since the start; NaN if both were zero.
-fn drift(model: &Model, moving: &Moving) -> f64 {
+fn drift(model: &Model, moving: &DynamicState) -> f64 {
     let Some(dynamics) = &model.dynamics else { return f64::NAN };
     let inertia = model.object.mass.inertia * (model.mass / model.object.mass.volume);
     let pairs = [(moving.momentum, dynamics.velocity * model.mass), (moving.angular_momentum, inertia * dynamics.spin)];

@@ -9,7 +9,7 @@ use geometry::mesh::TriMesh;
 use record::frame::PadTopology;
 use record::meshes::{self, MESHES};
 use record::report::{ExpectationReport, GraspSummary, RunReport};
-use record::sensitivity::Moved;
+use record::sensitivity::ChangeEffect;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ impl RunRecorder {
     /// # Errors
     /// Fails if another run is writing to the directory, if it holds an earlier run, or if it cannot be written.
     pub fn create(dir: &Path, options: RecordingOptions, report: RunReport) -> Result<Self> {
-        let lock = FolderLock::alone(dir, "tactus run")?;
+        let lock = FolderLock::exclusive(dir, "tactus run")?;
         if dir.join("run.json").exists() {
             if !options.overwrite {
                 let message = "contains an earlier run; choose another output directory, or allow to overwrite it";
@@ -97,7 +97,7 @@ impl RunRecorder {
     }
 
     /// Adds the sensitivities of the grasps, in order.
-    pub fn add_sensitivity(&mut self, answers: Vec<Vec<Moved>>) {
+    pub fn add_sensitivity(&mut self, answers: Vec<Vec<ChangeEffect>>) {
         for (grasp, moved) in self.report.grasps.iter_mut().zip(answers) {
             grasp.sensitivity = moved;
         }

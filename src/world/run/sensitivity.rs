@@ -10,8 +10,8 @@ use base::error::Result;
 use geometry::Pose;
 use glam::{DQuat, DVec3};
 use model::Model;
-use record::error_norm::{Distance, FieldInterpolation, Points};
-use record::sensitivity::{Change, Moved};
+use record::error_norm::{FieldInterpolation, FrameDistance, Points};
+use record::sensitivity::{Change, ChangeEffect};
 use record::{Frame, PadTopology, Status};
 use scene::leaf::{NonNegative, Positive};
 use scene::{Loading, Scene};
@@ -98,7 +98,7 @@ pub fn sensitivity(
     stepper: &dyn Stepper,
     (grasps, base): (&[(usize, Pose)], &FinalStates),
     threads: usize,
-) -> Result<Vec<Vec<Moved>>> {
+) -> Result<Vec<Vec<ChangeEffect>>> {
     let none = PadTopology::default();
     let pad = model.fingers.first().map_or(&none, |f| &f.topology);
     let points = Points::of(pad);
@@ -122,10 +122,11 @@ pub fn sensitivity(
             };
             let reached = (*was, status) == (Status::Reached, Status::Reached);
             let pair = before.as_ref().zip(after.as_ref()).filter(|_| reached);
-            answer.push(Moved {
+            answer.push(ChangeEffect {
                 change,
                 status,
-                displacement: pair.map(|(a, b)| Distance::of(&points, &probe.fields(b), &probe.fields(a)).displacement),
+                displacement: pair
+                    .map(|(a, b)| FrameDistance::of(&points, &probe.fields(b), &probe.fields(a)).displacement),
                 object_m: pair.map(|(a, b)| {
                     let ([p, turn], [q, other]) = (motion(a, pose), motion(b, posed));
                     p.distance(q) + model.object.bounding_radius * turn.distance(other)

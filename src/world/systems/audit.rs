@@ -3,7 +3,7 @@
 use crate::schedule::{GraspPose, RecordedFrame, SharedModel, Timings};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use model::judge::Findings;
+use model::evaluation::Findings;
 use std::time::Instant;
 
 /// Findings on the last recorded frame.
@@ -22,6 +22,6 @@ pub fn audit_frame(
     let (Some(auditor), Some(frame)) = (&model.auditor, &recorded.0) else { return };
     let clock = Instant::now();
     let gravity = model.gravity.map_or(DVec3::ZERO, |g| grasp.0.inverse().rotation * g);
-    audited.0 = Some(auditor.judge(&model.fingers, frame, gravity));
+    audited.0 = Some(auditor.audit(&model.fingers, frame, gravity));
     *timings.stages.entry("audit").or_insert(0.0) += clock.elapsed().as_secs_f64();
 }

@@ -60,7 +60,7 @@ pub fn set_load(
     let Phase::Ramp { frame } = *phase else { return };
     let model = &shared.0;
     let level = command.as_ref().map_or_else(|| model.levels[frame], |command| command.force);
-    *load = StepLoad { level, push: if command.is_some() { 0.0 } else { model.push_part(frame) } };
+    *load = StepLoad { level, push: if command.is_some() { 0.0 } else { model.push_fraction(frame) } };
     *report = StepReport::default();
     match &model.dynamics {
         Some(dynamics) => {

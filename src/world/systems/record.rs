@@ -6,7 +6,7 @@ use crate::schedule::{
 };
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use record::{Frame, Moving, PadFrame};
+use record::{DynamicState, Frame, PadFrame};
 
 /// Node columns of a frame; optional ones are None if the scene does not need them.
 type Nodes<'a> = (
@@ -83,7 +83,7 @@ pub fn record_frame(
     let (object, motion, ground) = *object;
     let moving = hand.iter().next().map(|hand| {
         let (velocity, momentum) = motion.map_or_else(Default::default, |(v, m)| (*v, *m));
-        Moving {
+        DynamicState {
             hand_position: hand.0.position,
             hand_rotation: hand.0.rotation,
             velocity: velocity.linear,

@@ -103,7 +103,7 @@ fn slip_from_contact_points(
     let lookup = moved.then(|| FaceLookup::new(&face, &finger.topology.sensing));
     // Contact vertices of the object may touch the pad anywhere.
     let touched = |edge: &ContactEdge| {
-        let under = lookup.as_ref().map(|lookup| lookup.under(axes * (edge.point - carried - origin)));
+        let under = lookup.as_ref().map(|lookup| lookup.interpolation_at(axes * (edge.point - carried - origin)));
         under.map_or(Stencil::NONE, |nodes| Stencil::new(nodes.into_iter()))
     };
     let mut whole = vec![0.0; slip.len()];

@@ -27,7 +27,7 @@ fn soft_pads_of_a_urdf_are_the_scene_that_spells_them_out() {
     ))
     .unwrap();
     for side in [0, 1] {
-        let (mut a, mut b) = (read.gripper.like(side), spelt.gripper.like(side));
+        let (mut a, mut b) = (read.gripper.with_equal_fingers(side), spelt.gripper.with_equal_fingers(side));
         let pads = [&mut a.pads, &mut b.pads].map(std::mem::take);
         let notice = a.notice.0.take().expect("1.57 is told");
         assert!(notice.contains("errors of up to 8.0e-4 rad"), "{notice}");

@@ -305,7 +305,7 @@ mod tests {
     use super::*;
     use crate::fem::solver::GraspSolver;
     use mech::potential::term::Assembly;
-    use model::grasp::poses_of;
+    use model::grasp::grasp_poses;
     use scene::from_ron;
 
     /// After a failed attempt in which a patch grew, stiffness and unknowns belong to the same patch: the system can be
@@ -316,7 +316,7 @@ mod tests {
             "Scene(object: (shape: Sphere(radius: 0.02), motion: Fixed), gripper: (pads: GelSightMini(spacing: 1.5e-3)),
                     loading: Squeeze(force: 6.0), stepper: Fem())";
         let scene = from_ron(text).unwrap();
-        let (model, place) = (Model::build(&scene).unwrap(), poses_of(&scene).unwrap()[0].inverse());
+        let (model, place) = (Model::build(&scene).unwrap(), grasp_poses(&scene).unwrap()[0].inverse());
         let pose = Pose { position: place.position, rotation: place.rotation };
         let scene::StepperChoice::Fem(settings) = &scene.stepper else { panic!("finite elements") };
         let mut solver = GraspSolver::new(&model, pose, settings).unwrap();

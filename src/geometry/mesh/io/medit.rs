@@ -23,10 +23,10 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
     let mut notices = Vec::new();
     let mut refs: Vec<[VertexReference; 4]> = Vec::new();
 
-    let head = words.next().ok_or_else(|| text::ended(path, "`MeshVersionFormatted`"))?;
+    let head = words.next().ok_or_else(|| text::end_error(path, "`MeshVersionFormatted`"))?;
     if head.text != "MeshVersionFormatted" {
         let message = format!("a Medit file starts with `MeshVersionFormatted`, found {}", text::quote(head.text));
-        return Err(text::at(path, head, message));
+        return Err(text::word_error(path, head, message));
     }
     let mut passed_over = Vec::new();
     text::integer(path, next(path, &mut words, "the format version")?, "the format version")?;
@@ -37,7 +37,11 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
             "Dimension" => {
                 let word = next(path, &mut words, "the dimension")?;
                 if text::integer(path, word, "the dimension")? != 3 {
-                    return Err(text::at(path, word, format!("dimension {}; allowed: 3", text::quote(word.text))));
+                    return Err(text::word_error(
+                        path,
+                        word,
+                        format!("dimension {}; allowed: 3", text::quote(word.text)),
+                    ));
                 }
             }
             "Vertices" => {
@@ -86,7 +90,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
                     "expected the name of a section, found {}; the one before declares fewer rows than it has",
                     text::quote(other)
                 );
-                return Err(text::at(path, section, message));
+                return Err(text::word_error(path, section, message));
             }
         }
     }
@@ -107,7 +111,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<(TetMesh, Vec<String>
 }
 
 fn next<'a>(path: &Path, words: &mut impl Iterator<Item = Word<'a>>, expected: &str) -> Result<Word<'a>> {
-    words.next().ok_or_else(|| text::ended(path, expected))
+    words.next().ok_or_else(|| text::end_error(path, expected))
 }
 
 /// Reads a 1-based node index.
@@ -116,7 +120,7 @@ fn one_based(path: &Path, word: Word<'_>, element: usize) -> Result<VertexRefere
         Some(index) => Ok(VertexReference { index, line: word.line, column: word.column }),
         None => {
             let message = format!("tetrahedron {element} refers to node 0; Medit counts nodes from 1");
-            Err(text::at(path, word, message))
+            Err(text::word_error(path, word, message))
         }
     }
 }

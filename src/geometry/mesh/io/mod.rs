@@ -17,9 +17,9 @@ use std::path::Path;
 
 pub use write::{write_obj, write_stl, write_tet};
 
-use crate::mesh::{FARTHEST, TetMesh, TriMesh, clean, close, facets, is_far, topology};
+use crate::mesh::{MAX_COORDINATE, TetMesh, TriMesh, clean, facets, is_out_of_range, topology, weld};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use convert::{convert, names};
 use file::read_bytes;
 pub(crate) use file::read_text;
@@ -86,8 +86,8 @@ fn read_by_extension(path: &Path, extension: &str) -> Result<(TetMesh, Vec<Strin
 }
 
 /// Reads a triangle mesh: `.obj` (all groups merged, polygons triangulated), `.stl` or `.ply` (binary or ASCII). Welds
-/// equal vertices and, where the surface is not closed, those within [`close::tolerance`]; drops repeated triangles and
-/// triangles without area. Returns the mesh (m) and notices. [`topology::watertight`] checks if it is closed.
+/// equal vertices and, where the surface is not closed, those within [`weld::tolerance`]; drops repeated triangles and
+/// triangles without area. Returns the mesh (m) and notices. [`topology::check_edges`] checks if it is closed.
 ///
 /// # Errors
 /// Fails for a missing file, an unknown extension, bad content (with line and column where they exist) and an empty
@@ -102,8 +102,9 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     };
     // The following steps compare lengths, which must not overflow.
     let far = mesh.triangles.iter().flatten().map(|v| (v, mesh.vertices[*v as usize]));
-    if let Some((v, p)) = far.into_iter().find(|(_, p)| is_far(*p)) {
-        let message = format!("vertex {v} (0-based) is at {p}; coordinates must be finite and within {FARTHEST:e}");
+    if let Some((v, p)) = far.into_iter().find(|(_, p)| is_out_of_range(*p)) {
+        let message =
+            format!("vertex {v} (0-based) is at {p}; coordinates must be finite and within {MAX_COORDINATE:e}");
         return Err(Error::file(path, message));
     }
     let mut told = |text: String| notices.push(format!("{}: {text}", path.display()));
@@ -111,27 +112,27 @@ pub fn read_tri_mesh(path: impl AsRef<Path>) -> Result<(TriMesh, Vec<String>)> {
     let news = extension(path) != "stl";
     let welded = topology::weld(&mut mesh);
     if news && welded.vertices > 0 {
-        told(format!("welded {}", counted(welded.vertices, "duplicate or unused vertex")));
+        told(format!("welded {}", format_count(welded.vertices, "duplicate or unused vertex")));
     }
     if welded.triangles > 0 {
-        told(format!("dropped {} with a repeated vertex", counted(welded.triangles, "triangle")));
+        told(format!("dropped {} with a repeated vertex", format_count(welded.triangles, "triangle")));
     }
-    if let Some(closed) = close::weld_open(&mut mesh) {
+    if let Some(closed) = weld::weld_faulty_edges(&mut mesh) {
         told(format!(
             "welded {} at open edges with others within {:.2e} m (1e-6 of the object's size and the rounding to 32 \
              bits); none moved by more than {:.2e} m",
-            counted(closed.vertices, "vertex"),
+            format_count(closed.vertices, "vertex"),
             closed.tolerance,
             closed.moved
         ));
     }
     let repeated = facets::drop_repeated(&mut mesh);
     if repeated > 0 {
-        told(format!("dropped {}", counted(repeated, "repeated triangle")));
+        told(format!("dropped {}", format_count(repeated, "repeated triangle")));
     }
     let flat = facets::remove_flat(&mut mesh);
     if flat > 0 {
-        told(format!("removed {} without area", counted(flat, "triangle")));
+        told(format!("removed {} without area", format_count(flat, "triangle")));
     }
     if mesh.triangles.is_empty() {
         return Err(Error::file(path, "the mesh is empty: every triangle has a repeated vertex or no area"));

@@ -13,7 +13,7 @@ use std::path::Path;
 use super::text::{self, Line, Word};
 use crate::mesh::{MAX_COUNT, TriMesh, polygon};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use glam::DVec3;
 
 /// Keywords of names, colours, normals and materials, which are skipped without a notice.
@@ -75,7 +75,7 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TriMesh, Vec<String>)>
         let n = checked.vertices;
         return Err(Error::file(
             path,
-            format!("the mesh is empty: {} (`v` lines) and no faces (`f` lines)", counted(n, "vertex")),
+            format!("the mesh is empty: {} (`v` lines) and no faces (`f` lines)", format_count(n, "vertex")),
         ));
     }
     let (mesh, split) = checked.read()?;
@@ -153,14 +153,14 @@ impl Checked<'_> {
                         SILENT.join(", "),
                         PASSED.join(", ")
                     );
-                    return Err(text::at(self.path, keyword, message));
+                    return Err(text::word_error(self.path, keyword, message));
                 }
             },
         }
         // A face of n corners is n - 2 triangles.
         if self.vertices.max(self.corners.saturating_sub(2 * self.face_lines.len())) > MAX_COUNT {
             let message = format!("more than the {MAX_COUNT} vertices or triangles allowed");
-            return Err(text::at(self.path, keyword, message));
+            return Err(text::word_error(self.path, keyword, message));
         }
         Ok(())
     }
@@ -168,8 +168,8 @@ impl Checked<'_> {
     fn face(&mut self, line: &Line<'_>) -> Result<()> {
         let words = &line.words[1..];
         if words.len() < 3 {
-            let message = format!("a face of {}; at least 3 are needed", counted(words.len(), "vertex"));
-            return Err(text::at(self.path, line.first(), message));
+            let message = format!("a face of {}; at least 3 are needed", format_count(words.len(), "vertex"));
+            return Err(text::word_error(self.path, line.first(), message));
         }
         self.faces.push('f');
         for word in words {
@@ -219,14 +219,18 @@ impl Checked<'_> {
         let (count, triangle) = (self.vertices, self.corners.saturating_sub(2 * self.face_lines.len()));
         let head = word.text.split('/').next().unwrap_or("");
         let index: i64 = head.parse().map_err(|_| {
-            text::at(self.path, word, format!("face index `{}` is not a whole number", word.text.escape_debug()))
+            text::word_error(
+                self.path,
+                word,
+                format!("face index `{}` is not a whole number", word.text.escape_debug()),
+            )
         })?;
         if index == 0 || index.unsigned_abs() > count as u64 {
             let message = format!(
                 "triangle {triangle} refers to vertex {index}, but {count} vertices are defined above; allowed: \
                  1..={count} or -{count}..=-1"
             );
-            return Err(text::at(self.path, word, message));
+            return Err(text::word_error(self.path, word, message));
         }
         let back = index.unsigned_abs() as usize;
         Ok((if index > 0 { back - 1 } else { count - back }) as u32)
@@ -247,7 +251,7 @@ impl Checked<'_> {
             let words: Vec<&str> = self.passed.keys().copied().collect();
             notices.push(format!(
                 "{file}: ignored {} that do not describe flat faces: {}",
-                counted(lines, "line"),
+                format_count(lines, "line"),
                 words.join(", ")
             ));
         }

@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult,
 
 use crate::mesh::{MAX_COUNT, TriMesh, polygon};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Element of the file; unused properties are omitted.
 #[derive(Debug, Clone, Default)]
@@ -144,7 +144,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<(TriMesh, Vec<String>)>
     // Reading from memory cannot fail.
     let _ = reader.into_inner().read_to_end(&mut rest);
     if rest.iter().any(|b| !b.is_ascii_whitespace()) {
-        notices.push(format!("{file}: ignored {} after the last element", counted(rest.len(), "byte")));
+        notices.push(format!("{file}: ignored {} after the last element", format_count(rest.len(), "byte")));
     }
     Ok((mesh, notices))
 }
@@ -166,7 +166,7 @@ fn corners(path: &Path, i: usize, face: &Element, count: usize) -> Result<Vec<u3
     if n < 3 {
         return Err(Error::file(
             path,
-            format!("face {i} (0-based) has {}; at least 3 are needed", counted(n, "vertex")),
+            format!("face {i} (0-based) has {}; at least 3 are needed", format_count(n, "vertex")),
         ));
     }
     let valid = |v: &i64| u32::try_from(*v).ok().filter(|v| (*v as usize) < count);

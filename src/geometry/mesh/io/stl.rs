@@ -106,11 +106,11 @@ fn parse_ascii(path: &Path, source: &str) -> Result<TriMesh> {
             }
             "endfacet" => {
                 let Ok(three) = <[DVec3; 3]>::try_from(std::mem::take(&mut corners)) else {
-                    return Err(text::at(path, keyword, "a facet without exactly 3 `vertex` lines"));
+                    return Err(text::word_error(path, keyword, "a facet without exactly 3 `vertex` lines"));
                 };
                 push(&mut mesh, three);
                 if mesh.triangles.len() > MAX_COUNT {
-                    return Err(text::at(path, keyword, format!("more than the {MAX_COUNT} facets allowed")));
+                    return Err(text::word_error(path, keyword, format!("more than the {MAX_COUNT} facets allowed")));
                 }
             }
             "solid" | "facet" | "outer" | "endloop" | "endsolid" => {}
@@ -119,12 +119,12 @@ fn parse_ascii(path: &Path, source: &str) -> Result<TriMesh> {
                     "unknown keyword `{}`; allowed: solid, facet, outer, vertex, endloop, endfacet, endsolid",
                     other.chars().take(40).collect::<String>().escape_debug()
                 );
-                return Err(text::at(path, keyword, message));
+                return Err(text::word_error(path, keyword, message));
             }
         }
     }
     if !corners.is_empty() {
-        return Err(text::ended(path, "`endfacet`"));
+        return Err(text::end_error(path, "`endfacet`"));
     }
     Ok(mesh)
 }

@@ -35,11 +35,15 @@ pub(crate) fn parse(path: &Path, source: &str) -> Result<(TetMesh, Vec<String>)>
             }
             other => {
                 let message = format!("a line starts with {}; allowed: `v`, `t`, `#`", text::quote(other));
-                return Err(text::at(path, keyword, message));
+                return Err(text::word_error(path, keyword, message));
             }
         }
         if mesh.nodes.len().max(refs.len()) > MAX_COUNT {
-            return Err(text::at(path, keyword, format!("more than the {MAX_COUNT} nodes or tetrahedra allowed")));
+            return Err(text::word_error(
+                path,
+                keyword,
+                format!("more than the {MAX_COUNT} nodes or tetrahedra allowed"),
+            ));
         }
     }
     for (e, four) in refs.into_iter().enumerate() {

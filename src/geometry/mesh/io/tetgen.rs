@@ -40,7 +40,7 @@ pub(crate) fn read(path: &Path) -> Result<(TetMesh, Vec<String>)> {
 /// Reads the points; returns the number of the first.
 fn points(path: &Path, source: &str, mesh: &mut TetMesh) -> Result<u64> {
     let mut lines = text::lines(source, Some('#'));
-    let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
+    let mut next = |expected: &str| lines.next().ok_or_else(|| text::end_error(path, expected));
     let head = next("`points dimension attributes markers`")?;
     text::columns(path, &head, &[1, 2, 3, 4], "the line `points dimension attributes markers`")?;
     let mut first = 0;
@@ -52,7 +52,7 @@ fn points(path: &Path, source: &str, mesh: &mut TetMesh) -> Result<u64> {
         }
         if number != first.saturating_add(k) || first > 1 {
             let message = format!("point {number} out of order; points are numbered in order from 0 or 1");
-            return Err(text::at(path, line.first(), message));
+            return Err(text::word_error(path, line.first(), message));
         }
         mesh.nodes.push(text::position(path, &line.words[1..4])?);
     }
@@ -62,14 +62,14 @@ fn points(path: &Path, source: &str, mesh: &mut TetMesh) -> Result<u64> {
 /// Reads the tetrahedra; returns the number of nodes that each has.
 fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Result<usize> {
     let mut lines = text::lines(source, Some('#'));
-    let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
+    let mut next = |expected: &str| lines.next().ok_or_else(|| text::end_error(path, expected));
     let head = next("`tetrahedra nodes attributes`")?;
     text::columns(path, &head, &[1, 2, 3], "the line `tetrahedra nodes attributes`")?;
     let width = match head.words.get(1) {
         None => 4,
         Some(word) => match text::count(path, *word, "nodes per tetrahedron")? {
             n @ (4 | 10) => n,
-            n => return Err(text::at(path, *word, format!("{n} nodes per tetrahedron; allowed: 4 or 10"))),
+            n => return Err(text::word_error(path, *word, format!("{n} nodes per tetrahedron; allowed: 4 or 10"))),
         },
     };
     for e in 0..text::count(path, head.first(), "the number of tetrahedra")? {
@@ -79,7 +79,11 @@ fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Resu
         for (r, word) in four.iter_mut().zip(&line.words[1..5]) {
             r.column = word.column;
             r.index = text::integer(path, *word, "node number")?.checked_sub(first).ok_or_else(|| {
-                text::at(path, *word, format!("tetrahedron {e} refers to node 0; the points are numbered from 1"))
+                text::word_error(
+                    path,
+                    *word,
+                    format!("tetrahedron {e} refers to node 0; the points are numbered from 1"),
+                )
             })?;
         }
         mesh.tets.push(text::resolve(path, four, e, mesh.nodes.len(), first)?);
@@ -91,7 +95,7 @@ fn tetrahedra(path: &Path, source: &str, first: u64, mesh: &mut TetMesh) -> Resu
 fn at_least(path: &Path, line: &Line<'_>, columns: usize, what: &str) -> Result<u64> {
     if line.words.len() < columns {
         let message = format!("{what} has {} columns; at least {columns} are needed", line.words.len());
-        return Err(text::at(path, line.last(), message));
+        return Err(text::word_error(path, line.last(), message));
     }
     text::integer(path, line.first(), "the number of a point or tetrahedron")
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::mesh::MAX_COUNT;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Longest accepted line, bytes: all its words are held in memory at once.
 const MAX_LINE: usize = 4 << 20;
@@ -97,12 +97,12 @@ pub(crate) fn decode(path: &Path, bytes: Vec<u8>) -> Result<String> {
 }
 
 /// Returns an error at a word of the file.
-pub(crate) fn at(path: &Path, word: Word<'_>, message: impl std::fmt::Display) -> Error {
+pub(crate) fn word_error(path: &Path, word: Word<'_>, message: impl std::fmt::Display) -> Error {
     Error::file(path, format!("line {}, column {}: {message}", word.line, word.column))
 }
 
 /// Returns an error about the end of the file.
-pub(crate) fn ended(path: &Path, expected: &str) -> Error {
+pub(crate) fn end_error(path: &Path, expected: &str) -> Error {
     Error::file(path, format!("the file ends where {expected} should follow; it is truncated: write or copy it again"))
 }
 
@@ -117,24 +117,32 @@ pub(crate) fn quote(text: &str) -> String {
 
 /// Parses the word as a finite number; `what` names it.
 pub(crate) fn number(path: &Path, word: Word<'_>, what: &str) -> Result<f64> {
-    let value: f64 =
-        word.text.parse().map_err(|_| at(path, word, format!("{what} {} is not a number", quote(word.text))))?;
+    let value: f64 = word
+        .text
+        .parse()
+        .map_err(|_| word_error(path, word, format!("{what} {} is not a number", quote(word.text))))?;
     if !value.is_finite() {
-        return Err(at(path, word, format!("{what} is {value}; only finite numbers are allowed")));
+        return Err(word_error(path, word, format!("{what} is {value}; only finite numbers are allowed")));
     }
     Ok(value)
 }
 
 /// Parses the word as an unsigned integer; `what` names it.
 pub(crate) fn integer(path: &Path, word: Word<'_>, what: &str) -> Result<u64> {
-    word.text.parse().map_err(|_| at(path, word, format!("{what} {} is not a whole number >= 0", quote(word.text))))
+    word.text
+        .parse()
+        .map_err(|_| word_error(path, word, format!("{what} {} is not a whole number >= 0", quote(word.text))))
 }
 
 /// Parses the word as a declared count, rejected above [`MAX_COUNT`].
 pub(crate) fn count(path: &Path, word: Word<'_>, what: &str) -> Result<usize> {
     let value = integer(path, word, what)?;
     if value > MAX_COUNT as u64 {
-        return Err(at(path, word, format!("{what} {value} is above the {MAX_COUNT} allowed; use a coarser mesh")));
+        return Err(word_error(
+            path,
+            word,
+            format!("{what} {value} is above the {MAX_COUNT} allowed; use a coarser mesh"),
+        ));
     }
     Ok(value as usize)
 }
@@ -154,8 +162,8 @@ pub(crate) fn columns(path: &Path, line: &Line<'_>, allowed: &[usize], what: &st
         return Ok(());
     }
     let list: Vec<String> = allowed.iter().map(usize::to_string).collect();
-    let message = format!("{what} has {}; allowed: {}", counted(line.words.len(), "column"), list.join(" or "));
-    Err(at(path, line.last(), message))
+    let message = format!("{what} has {}; allowed: {}", format_count(line.words.len(), "column"), list.join(" or "));
+    Err(word_error(path, line.last(), message))
 }
 
 /// Node index with its position in the file, checked once all nodes are known.
@@ -179,7 +187,7 @@ pub(crate) fn resolve(
 ) -> Result<[u32; 4]> {
     for r in refs {
         if r.index >= count as u64 {
-            return Err(at(
+            return Err(word_error(
                 path,
                 Word { line: r.line, column: r.column, text: "" },
                 format!(

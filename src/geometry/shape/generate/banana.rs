@@ -2,7 +2,7 @@
 
 use crate::shape::Shape;
 use crate::shape::generate::sweep;
-use crate::shape::params::{length as check, require, segments as turn};
+use crate::shape::params::{check_length as check, check_segments as turn, require};
 use base::error::Result;
 use glam::DVec3;
 

@@ -2,7 +2,7 @@
 
 use crate::shape::capsule::Capsule;
 use crate::shape::generate::{revolved_mesh, sphere};
-use crate::shape::params::{length as check, require, segments as turn};
+use crate::shape::params::{check_length as check, check_segments as turn, require};
 use crate::shape::polygon::Profile;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
 use base::error::Result;
@@ -19,7 +19,7 @@ pub fn capsule(radius: f64, length: f64, segments: u32) -> Result<Shape> {
     let half = length / 2.0 - radius;
     require("capsule", half >= 0.0, || format!("length {length} m must be at least twice the radius {radius} m"))?;
     if half < 1e-6 * radius {
-        return Ok(sphere(radius, segments)?.named("capsule"));
+        return Ok(sphere(radius, segments)?.with_name("capsule"));
     }
     let n = turn("capsule", segments)? / 4;
     let arc = |i: u32, side: f64| {

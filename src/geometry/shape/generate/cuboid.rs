@@ -2,7 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::shape::cuboid::Cuboid;
-use crate::shape::params::{length, require, segments as turn};
+use crate::shape::params::{check_length, check_segments as turn, require};
 use crate::shape::topology::Topology;
 use crate::shape::{MassProperties, RoundedEdge, Shape, SurfaceFeatures};
 use base::error::Result;
@@ -17,7 +17,7 @@ use std::f64::consts::FRAC_PI_4;
 /// Fails if a parameter is out of range or the edge radius is too large for the box.
 pub fn cuboid(size: DVec3, edge_radius: f64, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(size.to_array()) {
-        length("cuboid", &format!("size {axis}"), value)?;
+        check_length("cuboid", &format!("size {axis}"), value)?;
     }
     turn("cuboid", segments)?;
     let half = 0.5 * size;

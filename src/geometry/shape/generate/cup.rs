@@ -2,7 +2,7 @@
 
 use crate::shape::Shape;
 use crate::shape::generate::revolve;
-use crate::shape::params::{length, require};
+use crate::shape::params::{check_length, require};
 use base::error::Result;
 use glam::DVec2;
 
@@ -11,9 +11,9 @@ use glam::DVec2;
 /// # Errors
 /// Fails if a parameter is out of range or the wall is too thick for the cup.
 pub fn cup(radius: f64, height: f64, wall: f64, segments: u32) -> Result<Shape> {
-    length("cup", "radius", radius)?;
-    length("cup", "height", height)?;
-    length("cup", "wall", wall)?;
+    check_length("cup", "radius", radius)?;
+    check_length("cup", "height", height)?;
+    check_length("cup", "wall", wall)?;
     require("cup", wall <= 0.9 * radius.min(height), || {
         format!("wall {wall} m must be at most 0.9 of the radius {radius} m and of the height {height} m")
     })?;

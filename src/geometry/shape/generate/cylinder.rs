@@ -2,7 +2,7 @@
 
 use crate::shape::cylinder::Cylinder;
 use crate::shape::generate::revolved_mesh;
-use crate::shape::params::{length, segments as turn};
+use crate::shape::params::{check_length, check_segments as turn};
 use crate::shape::polygon::Profile;
 use crate::shape::rod::Rod;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
@@ -14,8 +14,8 @@ use glam::DVec2;
 /// # Errors
 /// Fails if a parameter is out of range.
 pub fn cylinder(radius: f64, height: f64, segments: u32) -> Result<Shape> {
-    length("cylinder", "radius", radius)?;
-    length("cylinder", "height", height)?;
+    check_length("cylinder", "radius", radius)?;
+    check_length("cylinder", "height", height)?;
     let half = height / 2.0;
     let points = [(0.0, -half), (radius, -half), (radius, half), (0.0, half)].map(DVec2::from);
     let profile = Profile::new("cylinder", points.to_vec(), false)?;

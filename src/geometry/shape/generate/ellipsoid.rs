@@ -2,7 +2,7 @@
 
 use crate::shape::ellipsoid::Ellipsoid;
 use crate::shape::generate::icosphere;
-use crate::shape::params::{length, require, segments as turn};
+use crate::shape::params::{check_length, check_segments as turn, require};
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};
 use base::error::Result;
 use glam::DVec3;
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Fails if a parameter is out of range or the semi-axes differ too much.
 pub fn ellipsoid(semi: DVec3, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
-        length("ellipsoid", &format!("semi-axis {axis}"), value)?;
+        check_length("ellipsoid", &format!("semi-axis {axis}"), value)?;
     }
     require("ellipsoid", semi.max_element() <= 1e3 * semi.min_element(), || {
         format!("semi-axes {semi} m differ by more than a factor of 1000")

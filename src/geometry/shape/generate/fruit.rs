@@ -2,7 +2,7 @@
 
 use super::revolve::revolve;
 use crate::shape::Shape;
-use crate::shape::params::{length as check, segments as turn};
+use crate::shape::params::{check_length as check, check_segments as turn};
 use base::error::Result;
 use glam::DVec2;
 

@@ -2,7 +2,7 @@
 
 use crate::shape::Shape;
 use crate::shape::generate::icosphere;
-use crate::shape::params::{length, require, segments as turn};
+use crate::shape::params::{check_length, check_segments as turn, require};
 use base::error::Result;
 use base::random::Random;
 use glam::DVec3;
@@ -17,7 +17,7 @@ const WAVES: usize = 12;
 /// Fails if a parameter is out of range.
 pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<Shape> {
     for (axis, value) in ["x", "y", "z"].into_iter().zip(semi.to_array()) {
-        length("potato", &format!("semi-axis {axis}"), value)?;
+        check_length("potato", &format!("semi-axis {axis}"), value)?;
     }
     require("potato", semi.max_element() <= 100.0 * semi.min_element(), || {
         format!("semi-axes {semi} m differ by more than a factor of 100")
@@ -27,7 +27,7 @@ pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<S
     })?;
     let mut mesh = icosphere(turn("potato", segments)?);
     let mut numbers = Random::new(seed);
-    let mut random = || 2.0 * numbers.unit() - 1.0;
+    let mut random = || 2.0 * numbers.uniform() - 1.0;
     let waves: Vec<(DVec3, f64)> = (0..WAVES)
         .map(|_| {
             // Plane waves with wave numbers of 1 to 4 per radius, evaluated on the sphere only.
@@ -41,5 +41,5 @@ pub fn potato(semi: DVec3, roughness: f64, seed: u64, segments: u32) -> Result<S
         let bump: f64 = waves.iter().map(|(k, phase)| (k.dot(*p) + phase).sin()).sum();
         *p *= semi * (1.0 + (scale * bump).clamp(-0.8, 0.8));
     }
-    Ok(Shape::from_mesh(mesh)?.named("potato"))
+    Ok(Shape::from_mesh(mesh)?.with_name("potato"))
 }

@@ -2,7 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::shape::Shape;
-use crate::shape::params::{MAX_SEGMENTS, length, require};
+use crate::shape::params::{MAX_SEGMENTS, check_length, require};
 use base::error::Result;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 /// # Errors
 /// Fails if a parameter is out of range.
 pub fn prism(sides: u32, radius: f64, height: f64) -> Result<Shape> {
-    length("prism", "radius", radius)?;
-    length("prism", "height", height)?;
+    check_length("prism", "radius", radius)?;
+    check_length("prism", "height", height)?;
     require("prism", (3..=MAX_SEGMENTS).contains(&sides), || {
         format!("sides is {sides}; it must be between 3 and {MAX_SEGMENTS}")
     })?;
@@ -31,5 +31,5 @@ pub fn prism(sides: u32, radius: f64, height: f64) -> Result<Shape> {
     for i in 1..sides - 1 {
         mesh.triangles.extend([[0, i + 1, i], [sides, sides + i, sides + i + 1]]);
     }
-    Ok(Shape::from_mesh(mesh)?.named("prism"))
+    Ok(Shape::from_mesh(mesh)?.with_name("prism"))
 }

@@ -1,7 +1,7 @@
 //! Solids of revolution.
 
 use crate::mesh::TriMesh;
-use crate::shape::params::segments as turn;
+use crate::shape::params::check_segments as turn;
 use crate::shape::polygon::Profile;
 use crate::shape::revolved::Revolved;
 use crate::shape::{MassProperties, Shape, SurfaceFeatures};

@@ -2,7 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::shape::Shape;
-use crate::shape::params::{require, segments as turn};
+use crate::shape::params::{check_segments as turn, require};
 use base::error::Result;
 use glam::{DQuat, DVec3};
 use std::f64::consts::TAU;
@@ -25,7 +25,7 @@ pub fn sweep(name: &str, path: &[DVec3], radii: &[f64], segments: u32) -> Result
         let bad = rings[i].iter().zip(&rings[i + 1]).any(|(a, b)| (*b - *a).dot(ahead) <= 0.0);
         require(name, !bad, || format!("the path bends too sharply for the radius {} m near point {i}", radii[i]))?;
     }
-    Ok(Shape::from_mesh(mesh)?.named(name))
+    Ok(Shape::from_mesh(mesh)?.with_name(name))
 }
 
 fn check(name: &str, path: &[DVec3], radii: &[f64]) -> Result<()> {

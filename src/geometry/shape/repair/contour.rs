@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 /// Weight of the mean crossing of a sheet relative to the tangent planes of the surface: a regularisation where the
 /// planes do not determine a vertex.
-const SLACK: f64 = 1e-3;
+const REGULARISATION: f64 = 1e-3;
 /// Smallest distance of a vertex from the sides of its cell, over the size of the cell.
 const MARGIN: f64 = 0.02;
 
@@ -37,9 +37,9 @@ pub(crate) fn surface(field: &OccupancyGrid, winding: &Winding, sharp: bool) -> 
         }
         let mut vertex = [u32::MAX; 12];
         for sheet in sheets(&corners) {
-            let met: Vec<Crossing> = sheet.iter().map(|e| crossings[&(cell + start(*e), e / 4)]).collect();
+            let met: Vec<Crossing> = sheet.iter().map(|e| crossings[&(cell + edge_start(*e), e / 4)]).collect();
             sheet.iter().for_each(|e| vertex[*e] = mesh.vertices.len() as u32);
-            mesh.vertices.push(place(field, cell, &met, sharp));
+            mesh.vertices.push(sheet_vertex(field, cell, &met, sharp));
         }
         vertices.insert(cell, vertex);
     }
@@ -76,7 +76,7 @@ fn corner(i: usize) -> USizeVec3 {
 }
 
 /// Returns the corner from which edge `4 k + i` of a cell runs along axis `k`.
-fn start(edge: usize) -> USizeVec3 {
+fn edge_start(edge: usize) -> USizeVec3 {
     let (k, i) = (edge / 4, edge % 4);
     USizeVec3::AXES[(k + 1) % 3] * (i & 1) + USizeVec3::AXES[(k + 2) % 3] * (i >> 1)
 }
@@ -85,12 +85,13 @@ fn start(edge: usize) -> USizeVec3 {
 /// cell. Each face has two crossed edges or none.
 fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
     let at = |n: USizeVec3| inside[n.x | n.y << 1 | n.z << 2];
-    let crossed: Vec<usize> = (0..12).filter(|e| at(start(*e)) != at(start(*e) + USizeVec3::AXES[e / 4])).collect();
+    let crossed: Vec<usize> =
+        (0..12).filter(|e| at(edge_start(*e)) != at(edge_start(*e) + USizeVec3::AXES[e / 4])).collect();
     let mut group: Vec<usize> = (0..12).collect();
     for axis in 0..3 {
         for side in 0..2 {
             // The edges of this face run along the other axes.
-            let on = |e: &usize| e / 4 != axis && start(*e)[axis] == side;
+            let on = |e: &usize| e / 4 != axis && edge_start(*e)[axis] == side;
             let face: Vec<usize> = crossed.iter().copied().filter(on).collect();
             if let [a, b] = face[..] {
                 let (from, to) = (group[a].max(group[b]), group[a].min(group[b]));
@@ -105,12 +106,12 @@ fn sheets(inside: &[bool]) -> Vec<Vec<usize>> {
 
 /// Returns the vertex of a sheet, m: the least-squares point of the tangent planes at its crossings, clamped to the
 /// cell.
-fn place(field: &OccupancyGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
+fn sheet_vertex(field: &OccupancyGrid, cell: USizeVec3, met: &[Crossing], sharp: bool) -> DVec3 {
     let middle = met.iter().map(|c| c.point).sum::<DVec3>() / met.len() as f64;
     if !sharp {
         return middle;
     }
-    let (mut a, mut b) = (SLACK * DMat3::IDENTITY, DVec3::ZERO);
+    let (mut a, mut b) = (REGULARISATION * DMat3::IDENTITY, DVec3::ZERO);
     for c in met {
         a += outer(c.normal);
         b += c.normal * c.normal.dot(c.point - middle);
@@ -135,9 +136,9 @@ fn crossings(field: &OccupancyGrid, winding: &Winding) -> HashMap<(USizeVec3, us
 /// a triangle, or else the point where the winding number becomes one half.
 fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
     let mut passed: Vec<(f64, DVec3)> = Vec::new();
-    winding.bvh.overlapping(&Aabb::of([a, b]), |i| {
+    winding.bvh.overlapping(&Aabb::from_points([a, b]), |i| {
         let facet = &winding.bvh.facets[i as usize];
-        passed.extend(pass(facet, a, b).map(|t| (t, facet.n)));
+        passed.extend(segment_crossing(facet, a, b).map(|t| (t, facet.n)));
     });
     passed.sort_by(|x, y| x.0.total_cmp(&y.0));
     let within = |t: f64| winding.at(a.lerp(b, t)) > 0.5;
@@ -159,9 +160,9 @@ fn crossing(winding: &Winding, a: DVec3, b: DVec3, step: f64) -> Crossing {
 }
 
 /// Returns the parameter in 0..=1 at which the segment from `a` to `b` crosses the facet.
-fn pass(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
+fn segment_crossing(facet: &Facet, a: DVec3, b: DVec3) -> Option<f64> {
     let [from, to] = [a, b].map(|p| facet.n.dot(p - facet.origin));
     let t = from / (from - to);
-    let met = from * to <= 0.0 && t.is_finite() && facet.margin(a.lerp(b, t)) >= -1e-9 * a.distance(b);
+    let met = from * to <= 0.0 && t.is_finite() && facet.edge_distance(a.lerp(b, t)) >= -1e-9 * a.distance(b);
     met.then_some(t)
 }

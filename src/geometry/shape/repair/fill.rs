@@ -2,7 +2,7 @@
 
 use crate::mesh::TriMesh;
 use crate::mesh::polygon::triangulate;
-use crate::mesh::topology::sides;
+use crate::mesh::topology::half_edges;
 use std::collections::BTreeMap;
 
 /// Result of [`fill`].
@@ -18,7 +18,7 @@ pub(crate) struct Filled {
 /// closed or an edge has more than two triangles.
 pub(crate) fn fill(mesh: &mut TriMesh) -> Option<Filled> {
     let mut after = BTreeMap::new();
-    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+    for group in half_edges(mesh).chunk_by(|x, y| x.ends == y.ends) {
         match group {
             [side] => {
                 // The rim runs in the opposite direction to its only triangle.

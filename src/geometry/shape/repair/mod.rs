@@ -5,12 +5,12 @@ mod field;
 mod fill;
 
 use crate::mesh::shells::{orient, orient_consistently, shells};
-use crate::mesh::topology::{drop_unused, watertight};
-use crate::mesh::{TriMesh, show};
-use crate::shape::validity::judge;
+use crate::mesh::topology::{check_edges, drop_unused};
+use crate::mesh::{TriMesh, format_point};
+use crate::shape::validity::orient_and_check;
 use crate::shape::winding::Winding;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use field::OccupancyGrid;
 use glam::DVec3;
 
@@ -24,11 +24,11 @@ pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let mut whole = mesh.clone();
     orient_consistently(&mut whole);
     let filled = fill::fill(&mut whole);
-    if let (Some(filled), Ok(news)) = (filled, judge(&mut whole)) {
+    if let (Some(filled), Ok(news)) = (filled, orient_and_check(&mut whole)) {
         let done = format!(
             "filled {} with {} of {:.3e} m2 in all; nothing else moved",
-            counted(filled.holes, "hole"),
-            counted(filled.triangles, "triangle"),
+            format_count(filled.holes, "hole"),
+            format_count(filled.triangles, "triangle"),
             filled.area
         );
         return Ok((whole, [vec![done], news].concat()));
@@ -38,15 +38,15 @@ pub(crate) fn repair(mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
 
 fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     orient_consistently(&mut mesh);
-    let edges = watertight(&mesh);
-    if let ([a, b], 0) = (edges.twisted.first.unwrap_or_default(), edges.crowded.count)
-        && edges.twisted.count > 0
+    let edges = check_edges(&mesh);
+    if let ([a, b], 0) = (edges.inconsistent.first.unwrap_or_default(), edges.non_manifold.count)
+        && edges.inconsistent.count > 0
     {
         return Err(Error::Mesh(format!(
             "the surface is one-sided, like a Moebius strip: for any orientation of its triangles, those at the edge \
              from {} to {} disagree, so that it encloses no volume; cut it there, or give it a thickness",
-            show(a),
-            show(b)
+            format_point(a),
+            format_point(b)
         )));
     }
     orient(&mut mesh);
@@ -59,7 +59,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
     let attempt = |sharp: bool| {
         let mut surface = contour::surface(&field, &winding, sharp);
         let dust = drop_small_shells(&mut surface);
-        judge(&mut surface).map(|_| (surface, dust))
+        orient_and_check(&mut surface).map(|_| (surface, dust))
     };
     let nothing = |_| {
         let advice =
@@ -80,7 +80,7 @@ fn resample(mut mesh: TriMesh) -> Result<(TriMesh, Vec<String>)> {
         done += &format!("; {:.1} % of its area is new and closes holes", 100.0 * moved.new);
     }
     if dust > 0 {
-        done += &format!("; dropped {} of less than {SMALL_SHELL} of its volume", counted(dust, "closed part"));
+        done += &format!("; dropped {} of less than {SMALL_SHELL} of its volume", format_count(dust, "closed part"));
     }
     Ok((surface, vec![done]))
 }

@@ -24,7 +24,7 @@ impl Defaults {
             tags.insert(own.tag.clone(), merged);
         }
         self.classes.insert(name.clone(), tags);
-        of.each("default").for_each(|inner| self.add(inner, &name));
+        of.children_with_tag("default").for_each(|inner| self.add(inner, &name));
     }
 
     /// Returns an element with the default attributes of its own class, or of `class` if it names none.
@@ -44,5 +44,5 @@ impl Defaults {
 fn inherit(own: &XmlElement, base: &XmlElement) -> XmlElement {
     // An own orientation overrides an inherited one in any form.
     let turned = ORIENTATIONS.iter().any(|form| own.text(form).is_some());
-    own.over(base, |name| name != "name" && name != "class" && !(turned && ORIENTATIONS.contains(&name)))
+    own.with_defaults(base, |name| name != "name" && name != "class" && !(turned && ORIENTATIONS.contains(&name)))
 }

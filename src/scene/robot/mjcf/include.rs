@@ -1,6 +1,6 @@
 //! Element `<include>`: replaced by the elements of another file.
 
-use crate::robot::xml::{DEPTH, XmlElement, XmlReader};
+use crate::robot::xml::{MAX_DEPTH, XmlElement, XmlReader};
 use std::path::Path;
 
 /// Replaces each `<include>` in `element`, at nesting depth `depth`, by the children of the root element of the file.
@@ -15,8 +15,8 @@ pub(super) fn expand(
     depth: usize,
     reader: &mut XmlReader,
 ) -> Result<(), String> {
-    if depth == DEPTH {
-        return Err(element.error(format_args!("is nested in more than {DEPTH} elements")));
+    if depth == MAX_DEPTH {
+        return Err(element.error(format_args!("is nested in more than {MAX_DEPTH} elements")));
     }
     for mut child in std::mem::take(&mut element.children) {
         if child.tag != "include" {
@@ -24,7 +24,7 @@ pub(super) fn expand(
             element.children.push(child);
             continue;
         }
-        let file = child.needed("file")?;
+        let file = child.required_text("file")?;
         let beside = child.folder().join(file);
         let path = Some(folder.join(file)).filter(|path| path.exists() || !beside.exists()).unwrap_or(beside);
         let included = reader.file(&path, Some(&child), |mut root, reader| {

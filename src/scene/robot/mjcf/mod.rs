@@ -4,7 +4,7 @@ mod defaults;
 mod include;
 mod orientation;
 
-use super::tree::{Joint, LINKS, Link, LinkTree, Mimic, Mobility};
+use super::tree::{Joint, Link, LinkTree, MAX_LINKS, Mimic, Mobility};
 use super::xml::{XmlElement, XmlReader};
 use defaults::{Defaults, MAIN};
 use glam::{DAffine3, DVec3};
@@ -19,10 +19,10 @@ pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkT
     let folder = root.folder().to_path_buf();
     include::expand(&mut root, &folder, 0, reader)?;
     let mut model = Model::default();
-    root.each("compiler").try_for_each(|compiler| model.compiler.add(compiler))?;
-    root.each("default").for_each(|class| model.defaults.add(class, MAIN));
-    for asset in root.each("asset").flat_map(|asset| asset.each("model")) {
-        let path = folder.join(asset.needed("file")?);
+    root.children_with_tag("compiler").try_for_each(|compiler| model.compiler.add(compiler))?;
+    root.children_with_tag("default").for_each(|class| model.defaults.add(class, MAIN));
+    for asset in root.children_with_tag("asset").flat_map(|asset| asset.children_with_tag("model")) {
+        let path = folder.join(asset.required_text("file")?);
         let (name, tree) = reader.file(&path, Some(asset), |root, reader| match root.tag.as_str() {
             "mujoco" => {
                 let name = asset.text("name").or(root.text("model")).unwrap_or_default().to_string();
@@ -35,11 +35,11 @@ pub(super) fn read(mut root: XmlElement, reader: &mut XmlReader) -> Result<LinkT
     let mobility = Mobility::Fixed;
     model.tree.links.push(Link { name: WORLD.into(), site: false, parent: None, pose: DAffine3::IDENTITY, mobility });
     let world = Context { body: 0, class: MAIN, frame: DAffine3::IDENTITY };
-    root.each("worldbody").try_for_each(|body| model.add(body, &world))?;
+    root.children_with_tag("worldbody").try_for_each(|body| model.add(body, &world))?;
     let numbers: HashMap<String, usize> =
         (0..).zip(&model.tree.joints).map(|(number, joint): (usize, &Joint)| (joint.name.clone(), number)).collect();
-    root.each("equality")
-        .flat_map(|all| all.each("joint"))
+    root.children_with_tag("equality")
+        .flat_map(|all| all.children_with_tag("joint"))
         .try_for_each(|equality| model.couple(equality, &numbers))?;
     Ok(model.tree)
 }
@@ -120,7 +120,7 @@ impl Model {
 
     /// Returns the lower and the upper limit of a joint relative to its reference position `ref`.
     fn range(&self, joint: &XmlElement, kind: &str) -> Result<[f64; 2], String> {
-        const WRITE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
+        const RANGE_ADVICE: &str = "write how far the finger slides, in m, as in range=\"0 0.04\"";
         let limited = match joint.text("limited") {
             Some("true") => true,
             Some("false") => false,
@@ -130,11 +130,11 @@ impl Model {
         let [a, b] = match range {
             Some(range) if limited => range,
             Some(_) => return Err(joint.error("has a range, but is not limited; write limited=\"true\"")),
-            None => return Err(joint.error(format_args!("has no range; {WRITE}"))),
+            None => return Err(joint.error(format_args!("has no range; {RANGE_ADVICE}"))),
         };
         if a >= b {
             let order = if a > b { "decreasing" } else { "empty" };
-            return Err(joint.error(format_args!("has a range from {a} to {b}, which is {order}; {WRITE}")));
+            return Err(joint.error(format_args!("has a range from {a} to {b}, which is {order}; {RANGE_ADVICE}")));
         }
         let drawn = joint.number("ref")?.unwrap_or(0.0);
         let scale = if kind == "hinge" && self.compiler.degrees { 1f64.to_radians() } else { 1.0 };
@@ -143,7 +143,7 @@ impl Model {
 
     /// Adds the body named by an `<attach>` with its subtree, or the whole world of the model if it names none.
     fn attach(&mut self, attach: &XmlElement, context: &Context) -> Result<(), String> {
-        let (model, prefix) = (attach.needed("model")?, attach.text("prefix").unwrap_or_default());
+        let (model, prefix) = (attach.required_text("model")?, attach.text("prefix").unwrap_or_default());
         let missing = || attach.error(format_args!("refers to the model {model:?}, which no <asset> defines"));
         let other = self.attachable.get(model).ok_or_else(missing)?;
         let root = match attach.text("body") {
@@ -152,8 +152,8 @@ impl Model {
             }
             None => 0,
         };
-        if self.tree.links.len() + other.links.len() > LINKS {
-            return Err(attach.error(format_args!("results in more than {LINKS} links")));
+        if self.tree.links.len() + other.links.len() > MAX_LINKS {
+            return Err(attach.error(format_args!("results in more than {MAX_LINKS} links")));
         }
         let joints = self.tree.joints.len();
         let prefixed = |name: &str| if name.is_empty() { String::new() } else { format!("{prefix}{name}") };
@@ -201,7 +201,7 @@ impl Model {
             let missing = || equality.error(format_args!("refers to the joint {name:?}, which does not exist"));
             numbers.get(name).copied().ok_or_else(missing)
         };
-        let follower = find(equality.needed("joint1")?)?;
+        let follower = find(equality.required_text("joint1")?)?;
         let leader = equality.text("joint2").map(find).transpose()?;
         let mut polynomial = [0.0, 1.0, 0.0, 0.0, 0.0];
         let given = equality.list("polycoef")?.unwrap_or_default();

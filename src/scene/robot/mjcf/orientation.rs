@@ -48,7 +48,7 @@ impl Compiler {
     pub fn angle(&self, element: &XmlElement, name: &str, angle: f64) -> Result<f64, String> {
         match self.degrees {
             true => Ok(angle.to_radians()),
-            false => element.radians(name, &[angle]).map(|()| angle),
+            false => element.check_radians(name, &[angle]).map(|()| angle),
         }
     }
 

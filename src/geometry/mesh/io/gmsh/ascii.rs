@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::collect::{Collected, kept_nodes};
+use super::collect::{MeshBuilder, tetrahedron_nodes};
 use super::groups::NumberWidth;
 use super::version::{PARAMETRIC, Version, declared};
 use crate::mesh::TetMesh;
@@ -12,8 +12,8 @@ use base::error::{Error, Result};
 /// Parses the text of a gmsh file; `path` is for messages. Keeps the tetrahedra of `group`.
 pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     let mut lines = text::lines(source, None);
-    let mut next = |expected: &str| lines.next().ok_or_else(|| text::ended(path, expected));
-    let mut found = Collected::default();
+    let mut next = |expected: &str| lines.next().ok_or_else(|| text::end_error(path, expected));
+    let mut found = MeshBuilder::default();
     let mut version = None;
     while let Ok(line) = next("a section") {
         let name = line.first().text;
@@ -22,7 +22,7 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
             "$Nodes" | "$Elements" => {
                 let Some(version) = version else {
                     let message = "a section precedes `$MeshFormat`; the format version must come first";
-                    return Err(text::at(path, line.first(), message));
+                    return Err(text::word_error(path, line.first(), message));
                 };
                 match (name, version) {
                     ("$Nodes", Version::V2) => nodes_v2(&mut found, path, &mut next)?,
@@ -31,11 +31,11 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
                     _ => elements_v4(&mut found, version, path, &mut next)?,
                 }
             }
-            "$ParametricNodes" => return Err(text::at(path, line.first(), PARAMETRIC)),
+            "$ParametricNodes" => return Err(text::word_error(path, line.first(), PARAMETRIC)),
             _ if name.starts_with('$') => {}
             other => {
                 let message = format!("expected a section such as `$Nodes`, found {}", text::quote(other));
-                return Err(text::at(path, line.first(), message));
+                return Err(text::word_error(path, line.first(), message));
             }
         }
         // Rows that have not been read yet, and the closing line.
@@ -56,7 +56,7 @@ pub(crate) fn parse(path: &Path, source: &str, group: Option<&str>) -> Result<(T
             }
             if matches!(name, "$Nodes" | "$Elements" | "$MeshFormat") {
                 let message = format!("expected `{end}`, found more rows than the counts declare");
-                return Err(text::at(path, row.first(), message));
+                return Err(text::word_error(path, row.first(), message));
             }
         }
         let mut numbers = numbers.into_iter();
@@ -80,31 +80,31 @@ fn format_version(path: &Path, line: &Line<'_>) -> Result<Version> {
     text::columns(path, line, &[3], "the `version file-type data-size` line")?;
     if line.words[1].text != "0" {
         let message = format!("file type {}; allowed: 0 (ASCII) or 1 (binary)", text::quote(line.words[1].text));
-        return Err(text::at(path, line.words[1], message));
+        return Err(text::word_error(path, line.words[1], message));
     }
-    Version::of(line.words[0].text).map_err(|message| text::at(path, line.first(), message))
+    Version::of(line.words[0].text).map_err(|message| text::word_error(path, line.first(), message))
 }
 
 /// Adds the node whose tag starts the line.
-fn node(found: &mut Collected, path: &Path, line: &Line<'_>) -> Result<()> {
+fn node(found: &mut MeshBuilder, path: &Path, line: &Line<'_>) -> Result<()> {
     let tag = text::integer(path, line.first(), "node tag")?;
-    found.node(tag).map_err(|message| text::at(path, line.first(), message))
+    found.add_node(tag).map_err(|message| text::word_error(path, line.first(), message))
 }
 
-fn nodes_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&str) -> Result<Line<'a>>) -> Result<()> {
+fn nodes_v2<'a>(found: &mut MeshBuilder, path: &Path, next: &mut impl FnMut(&str) -> Result<Line<'a>>) -> Result<()> {
     let head = next("the number of nodes")?;
     text::columns(path, &head, &[1], "the number of nodes")?;
     for _ in 0..text::count(path, head.first(), "the number of nodes")? {
         let line = next("a node `tag x y z`")?;
         text::columns(path, &line, &[4], "a node `tag x y z`")?;
         node(found, path, &line)?;
-        found.place(found.nodes() - 1, text::position(path, &line.words[1..])?);
+        found.set_position(found.nodes() - 1, text::position(path, &line.words[1..])?);
     }
     Ok(())
 }
 
 fn nodes_v4<'a>(
-    found: &mut Collected,
+    found: &mut MeshBuilder,
     version: Version,
     path: &Path,
     next: &mut impl FnMut(&str) -> Result<Line<'a>>,
@@ -117,7 +117,7 @@ fn nodes_v4<'a>(
         let n = text::count(path, block.words[3], "the number of nodes of a block")?;
         if n > total - found.nodes().min(total) {
             let message = format!("the blocks contain more nodes than the {total} declared");
-            return Err(text::at(path, block.first(), message));
+            return Err(text::word_error(path, block.first(), message));
         }
         let first = found.nodes();
         for _ in 0..n {
@@ -125,7 +125,7 @@ fn nodes_v4<'a>(
                 let line = next("a node `tag x y z`")?;
                 text::columns(path, &line, &[4, 5, 6, 7], "a node `tag x y z`")?;
                 node(found, path, &line)?;
-                found.place(found.nodes() - 1, text::position(path, &line.words[1..4])?);
+                found.set_position(found.nodes() - 1, text::position(path, &line.words[1..4])?);
             } else {
                 let line = next("a node tag")?;
                 text::columns(path, &line, &[1], "a node tag")?;
@@ -136,12 +136,12 @@ fn nodes_v4<'a>(
             for k in first..first + n {
                 let line = next("node coordinates")?;
                 text::columns(path, &line, &[3, 4, 5, 6], "node coordinates")?;
-                found.place(k, text::position(path, &line.words[..3])?);
+                found.set_position(k, text::position(path, &line.words[..3])?);
             }
         }
     }
     if found.nodes() < total {
-        return Err(text::at(path, head.words[1], declared(total, found.nodes(), "nodes")));
+        return Err(text::word_error(path, head.words[1], declared(total, found.nodes(), "nodes")));
     }
     Ok(())
 }
@@ -163,13 +163,21 @@ fn block_counts<'a>(
     Ok(head)
 }
 
-fn elements_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&str) -> Result<Line<'a>>) -> Result<()> {
+fn elements_v2<'a>(
+    found: &mut MeshBuilder,
+    path: &Path,
+    next: &mut impl FnMut(&str) -> Result<Line<'a>>,
+) -> Result<()> {
     let head = next("the number of elements")?;
     text::columns(path, &head, &[1], "the number of elements")?;
     for _ in 0..text::count(path, head.first(), "the number of elements")? {
         let line = next("an element")?;
         let [_, kind, tags, ..] = line.words[..] else {
-            return Err(text::at(path, line.last(), "an element `id type n-tags ...` has fewer than 3 columns"));
+            return Err(text::word_error(
+                path,
+                line.last(),
+                "an element `id type n-tags ...` has fewer than 3 columns",
+            ));
         };
         let kind = text::integer(path, kind, "element type")?;
         let tags = text::count(path, tags, "the number of tags")?;
@@ -182,7 +190,7 @@ fn elements_v2<'a>(found: &mut Collected, path: &Path, next: &mut impl FnMut(&st
 }
 
 fn elements_v4<'a>(
-    found: &mut Collected,
+    found: &mut MeshBuilder,
     version: Version,
     path: &Path,
     next: &mut impl FnMut(&str) -> Result<Line<'a>>,
@@ -204,15 +212,21 @@ fn elements_v4<'a>(
         read += n;
     }
     if read != total {
-        return Err(text::at(path, head.words[1], declared(total, read, "elements")));
+        return Err(text::word_error(path, head.words[1], declared(total, read, "elements")));
     }
     Ok(())
 }
 
 /// Stores a tetrahedron of a volume, whose node tags start at column `skip`; counts any other element.
-fn element(found: &mut Collected, path: &Path, line: &Line<'_>, (kind, volume): (u64, u64), skip: usize) -> Result<()> {
-    let Some(n) = kept_nodes(kind) else {
-        found.skip(kind);
+fn element(
+    found: &mut MeshBuilder,
+    path: &Path,
+    line: &Line<'_>,
+    (kind, volume): (u64, u64),
+    skip: usize,
+) -> Result<()> {
+    let Some(n) = tetrahedron_nodes(kind) else {
+        found.count_omitted(kind);
         return Ok(());
     };
     text::columns(path, line, &[skip + n], "a tetrahedron")?;
@@ -220,5 +234,7 @@ fn element(found: &mut Collected, path: &Path, line: &Line<'_>, (kind, volume): 
     for (tag, word) in tags.iter_mut().zip(&line.words[skip..]) {
         *tag = text::integer(path, *word, "node tag")?;
     }
-    found.tetrahedron(volume, &tags[..n]).map_err(|(node, message)| text::at(path, line.words[skip + node], message))
+    found
+        .add_tetrahedron(volume, &tags[..n])
+        .map_err(|(node, message)| text::word_error(path, line.words[skip + node], message))
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::collect::{Collected, kept_nodes};
+use super::collect::{MeshBuilder, tetrahedron_nodes};
 use super::cursor::Cursor;
 use super::groups::NumberWidth;
 use super::version::{PARAMETRIC, Version, declared};
@@ -16,7 +16,7 @@ const NODES: [usize; 31] =
 /// Parses a binary gmsh file; `path` is for messages. Keeps the tetrahedra of `group`.
 pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(TetMesh, Vec<String>)> {
     let mut file = Cursor::new(path, bytes);
-    let mut found = Collected::default();
+    let mut found = MeshBuilder::default();
     while let Some(name) = file.section()? {
         let body = name.trim_start_matches('$').to_string();
         match (name, file.version) {
@@ -57,17 +57,17 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], group: Option<&str>) -> Result<(T
     found.finish(path, group)
 }
 
-fn nodes_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
+fn nodes_v2(file: &mut Cursor<'_>, found: &mut MeshBuilder) -> Result<()> {
     for _ in 0..file.text_count("the number of nodes")? {
         let tag = file.int("node tag")?;
         node(file, found, tag)?;
         let position = file.position(0)?;
-        found.place(found.nodes() - 1, position);
+        found.set_position(found.nodes() - 1, position);
     }
     Ok(())
 }
 
-fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> Result<()> {
+fn nodes_v4(file: &mut Cursor<'_>, found: &mut MeshBuilder, version: Version) -> Result<()> {
     let blocks = file.count("the number of node blocks")?;
     let total = file.count("the number of nodes")?;
     if version == Version::V41 {
@@ -89,13 +89,13 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
             node(file, found, tag)?;
             if version == Version::V40 {
                 let position = file.position(extra)?;
-                found.place(k, position);
+                found.set_position(k, position);
             }
         }
         if version == Version::V41 {
             for k in first..first + n {
                 let position = file.position(extra)?;
-                found.place(k, position);
+                found.set_position(k, position);
             }
         }
     }
@@ -105,11 +105,11 @@ fn nodes_v4(file: &mut Cursor<'_>, found: &mut Collected, version: Version) -> R
     Ok(())
 }
 
-fn node(file: &Cursor<'_>, found: &mut Collected, tag: u64) -> Result<()> {
-    found.node(tag).map_err(|message| file.fail(&message))
+fn node(file: &Cursor<'_>, found: &mut MeshBuilder, tag: u64) -> Result<()> {
+    found.add_node(tag).map_err(|message| file.fail(&message))
 }
 
-fn elements_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
+fn elements_v2(file: &mut Cursor<'_>, found: &mut MeshBuilder) -> Result<()> {
     let total = file.text_count("the number of elements")?;
     let mut read = 0;
     while read < total {
@@ -132,7 +132,7 @@ fn elements_v2(file: &mut Cursor<'_>, found: &mut Collected) -> Result<()> {
     Ok(())
 }
 
-fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Version) -> Result<()> {
+fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut MeshBuilder, version: Version) -> Result<()> {
     let tag: fn(&mut Cursor<'a>, &str) -> Result<u64> =
         if version == Version::V41 { Cursor::size } else { Cursor::int };
     let blocks = file.count("the number of element blocks")?;
@@ -162,7 +162,7 @@ fn elements_v4<'a>(file: &mut Cursor<'a>, found: &mut Collected, version: Versio
 /// Stores a tetrahedron; counts and skips any other element. `tag` reads a node tag.
 fn element<'a>(
     file: &mut Cursor<'a>,
-    found: &mut Collected,
+    found: &mut MeshBuilder,
     (kind, volume): (u64, u64),
     tag: fn(&mut Cursor<'a>, &str) -> Result<u64>,
 ) -> Result<()> {
@@ -170,16 +170,16 @@ fn element<'a>(
     let Some(&n) = known else {
         return Err(file.fail(&format!("element type {kind} is not known; allowed: 1 to {}", NODES.len())));
     };
-    if kept_nodes(kind).is_none() {
+    if tetrahedron_nodes(kind).is_none() {
         for _ in 0..n {
             tag(file, "node tag")?;
         }
-        found.skip(kind);
+        found.count_omitted(kind);
         return Ok(());
     }
     let mut tags = [0; 10];
     for t in &mut tags[..n] {
         *t = tag(file, "node tag")?;
     }
-    found.tetrahedron(volume, &tags[..n]).map_err(|(_, message)| file.fail(&message))
+    found.add_tetrahedron(volume, &tags[..n]).map_err(|(_, message)| file.fail(&message))
 }

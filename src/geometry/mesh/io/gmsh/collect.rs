@@ -14,7 +14,7 @@ const LINEAR: u64 = 4;
 /// Element type of the 10-node tetrahedron in gmsh.
 const QUADRATIC: u64 = 11;
 /// Edges of the 10-node tetrahedron in the order of their mid-edge nodes in gmsh.
-const MIDDLES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)];
+const MID_EDGE_NODES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)];
 /// Distance of the mid-edge node from the midpoint, over the edge length, up to which an edge counts as straight: the
 /// rounding of files with few digits stays below.
 const STRAIGHT: f64 = 1e-3;
@@ -22,11 +22,11 @@ const STRAIGHT: f64 = 1e-3;
 const MISPLACED: f64 = 0.25;
 
 /// Rejected element: index of the node (0-based) and reason.
-pub(crate) type Refused = (usize, String);
+pub(crate) type ElementError = (usize, String);
 
 /// Content collected while reading.
 #[derive(Default)]
-pub(crate) struct Collected {
+pub(crate) struct MeshBuilder {
     mesh: TetMesh,
     /// Index by node tag; only queried, never iterated.
     index_of: HashMap<u64, u32>,
@@ -41,7 +41,7 @@ pub(crate) struct Collected {
 }
 
 /// Returns the number of nodes of a supported tetrahedron; None for other element types.
-pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
+pub(crate) fn tetrahedron_nodes(kind: u64) -> Option<usize> {
     match kind {
         LINEAR => Some(4),
         QUADRATIC => Some(10),
@@ -49,17 +49,17 @@ pub(crate) fn kept_nodes(kind: u64) -> Option<usize> {
     }
 }
 
-impl Collected {
+impl MeshBuilder {
     /// Returns the number of nodes so far.
     pub fn nodes(&self) -> usize {
         self.mesh.nodes.len()
     }
 
-    /// Adds a node; its position is the origin until [`Self::place`] sets it.
+    /// Adds a node; its position is the origin until [`Self::set_position`] sets it.
     ///
     /// # Errors
     /// Fails if there are too many nodes or the tag is used twice.
-    pub fn node(&mut self, tag: u64) -> std::result::Result<(), String> {
+    pub fn add_node(&mut self, tag: u64) -> std::result::Result<(), String> {
         if self.nodes() >= MAX_COUNT {
             return Err(format!("more than the {MAX_COUNT} nodes allowed"));
         }
@@ -71,22 +71,22 @@ impl Collected {
     }
 
     /// Sets the position of a node by its index, m.
-    pub fn place(&mut self, index: usize, position: DVec3) {
+    pub fn set_position(&mut self, index: usize, position: DVec3) {
         self.mesh.nodes[index] = position;
     }
 
     /// Counts an omitted element.
-    pub fn skip(&mut self, kind: u64) {
+    pub fn count_omitted(&mut self, kind: u64) {
         *self.skipped.entry(kind).or_default() += 1;
     }
 
-    /// Stores the corners of a tetrahedron of [`kept_nodes`]; its mid-edge nodes are only checked. `volume` is the tag
-    /// of its volume, in version 2 that of its group.
+    /// Stores the corners of a tetrahedron of [`tetrahedron_nodes`]; its mid-edge nodes are only checked. `volume` is
+    /// the tag of its volume, in version 2 that of its group.
     ///
     /// # Errors
     /// Fails if there are too many tetrahedra, a tag is unknown or a mid-edge node is far from the midpoint of its
     /// edge.
-    pub fn tetrahedron(&mut self, volume: u64, tags: &[u64]) -> std::result::Result<(), Refused> {
+    pub fn add_tetrahedron(&mut self, volume: u64, tags: &[u64]) -> std::result::Result<(), ElementError> {
         let element = self.mesh.tets.len();
         if element >= MAX_COUNT {
             return Err((0, format!("more than the {MAX_COUNT} tetrahedra allowed")));
@@ -101,7 +101,7 @@ impl Collected {
         let [a, b, c, d, middles @ ..] = indices;
         if tags.len() > 4 {
             self.quadratic += 1;
-            for (k, (middle, (i, j))) in middles.iter().zip(MIDDLES).enumerate() {
+            for (k, (middle, (i, j))) in middles.iter().zip(MID_EDGE_NODES).enumerate() {
                 let [p, q, m] = [indices[i], indices[j], *middle].map(|n| self.mesh.nodes[n as usize]);
                 let (off, length) = ((m - 0.5 * (p + q)).length(), (q - p).length());
                 if off > MISPLACED * length {
@@ -161,7 +161,7 @@ impl Collected {
             let list = list.join(", ");
             notices.push(format!("{}: ignored elements {list}; only types 4 and 11 are used", path.display()));
         }
-        let several = self.groups.keep(path, &mut self.mesh.tets, group)?;
+        let several = self.groups.select(path, &mut self.mesh.tets, group)?;
         notices.extend(several.map(|text| format!("{}: {text}", path.display())));
         Ok((self.mesh, notices))
     }

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::version::Version;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use std::path::Path;
 
 /// Largest number of groups listed in a message.
-const SHOWN: usize = 20;
+const MAX_LISTED: usize = 20;
 
 /// Type of a number in the entities section, which determines its width in the binary form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl Groups {
     ///
     /// # Errors
     /// Fails if no tetrahedron belongs to the group.
-    pub fn keep(mut self, path: &Path, tets: &mut Vec<[u32; 4]>, wanted: Option<&str>) -> Result<Option<String>> {
+    pub fn select(mut self, path: &Path, tets: &mut Vec<[u32; 4]>, wanted: Option<&str>) -> Result<Option<String>> {
         if self.of_volume.is_empty() {
             self.of_volume =
                 self.volume.iter().filter(|group| **group > 0).map(|group| (*group, vec![*group])).collect();
@@ -100,14 +100,14 @@ impl Groups {
         let called = |tag: &u64| self.names.get(tag).cloned().unwrap_or_else(|| tag.to_string());
         let mut list: Vec<String> = found
             .iter()
-            .take(SHOWN)
-            .map(|(tag, n)| format!("{:?} of {}", called(tag), counted(*n, "tetrahedron")))
+            .take(MAX_LISTED)
+            .map(|(tag, n)| format!("{:?} of {}", called(tag), format_count(*n, "tetrahedron")))
             .collect();
-        if found.len() > SHOWN {
+        if found.len() > MAX_LISTED {
             list.push("...".into());
         }
         if without > 0 && !found.is_empty() {
-            list.push(format!("{} without a group", counted(without, "tetrahedron")));
+            list.push(format!("{} without a group", format_count(without, "tetrahedron")));
         }
         let list = list.join(", ");
         let Some(wanted) = wanted else {

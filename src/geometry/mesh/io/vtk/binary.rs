@@ -126,7 +126,7 @@ impl<'a> VtkContent<'a> for Bytes<'a> {
         checked.map_err(|_| self.fail("a negative number in the cells: the file is damaged, or not big-endian".into()))
     }
 
-    fn pass_over(&mut self, keyword: &str) -> Result<()> {
+    fn skip(&mut self, keyword: &str) -> Result<()> {
         match keyword {
             "METADATA" => {
                 self.skip_line();

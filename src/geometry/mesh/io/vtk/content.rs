@@ -29,7 +29,7 @@ pub(super) trait VtkContent<'a> {
     fn integers(&mut self, n: usize, kind: &str) -> Result<Vec<Index>>;
 
     /// Skips an unused section, whose keyword was read last.
-    fn pass_over(&mut self, keyword: &str) -> Result<()>;
+    fn skip(&mut self, keyword: &str) -> Result<()>;
 
     /// Returns the next word; `expected` names it.
     fn next(&mut self, expected: &str) -> Result<&'a str> {

@@ -12,7 +12,7 @@ use std::path::Path;
 use super::text;
 use crate::mesh::{MAX_COUNT, TetMesh};
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 use binary::Bytes;
 use content::{Index, VtkContent};
 use glam::DVec3;
@@ -65,7 +65,7 @@ fn sections<'a>(path: &Path, mut file: impl VtkContent<'a>) -> Result<(TetMesh, 
             }
             // Point and cell data come last.
             "POINT_DATA" | "CELL_DATA" => break,
-            other => file.pass_over(other)?,
+            other => file.skip(other)?,
         }
     }
     if types.len() != cells.len() {
@@ -153,7 +153,7 @@ fn collect(path: &Path, mut mesh: TetMesh, cells: &[Vec<Index>], types: &[Index]
         ));
     }
     if others > 0 {
-        notices.push(format!("{}: ignored {}; only tetrahedra are used", path.display(), counted(others, "cell")));
+        notices.push(format!("{}: ignored {}; only tetrahedra are used", path.display(), format_count(others, "cell")));
     }
     Ok((mesh, notices))
 }

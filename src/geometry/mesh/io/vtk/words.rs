@@ -24,14 +24,14 @@ impl<'a> Words<'a> {
     /// Returns the next word of an array.
     fn number(&mut self) -> Result<Word<'a>> {
         self.last = self.words.next();
-        self.last.ok_or_else(|| text::ended(self.path, "a number"))
+        self.last.ok_or_else(|| text::end_error(self.path, "a number"))
     }
 }
 
 impl<'a> VtkContent<'a> for Words<'a> {
     fn fail(&self, message: String) -> Error {
         match self.last {
-            Some(word) => text::at(self.path, word, message),
+            Some(word) => text::word_error(self.path, word, message),
             None => Error::file(self.path, message),
         }
     }
@@ -61,7 +61,7 @@ impl<'a> VtkContent<'a> for Words<'a> {
         (0..n).map(index).collect()
     }
 
-    fn pass_over(&mut self, _: &str) -> Result<()> {
+    fn skip(&mut self, _: &str) -> Result<()> {
         Ok(())
     }
 }

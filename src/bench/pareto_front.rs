@@ -14,7 +14,7 @@ pub struct Competitor<'a> {
 
 /// Point of the Pareto front with the requested error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Equal {
+pub struct FrontPoint {
     /// Time of a grasp, s.
     pub time: f64,
     /// Name of the rival, or of the two between which the point is interpolated.
@@ -25,7 +25,7 @@ pub struct Equal {
 
 /// Returns the time that `rivals` take for `error`: interpolated linearly in the logarithms of time and error along
 /// their Pareto front. None if no rival reaches it.
-pub fn time_at(rivals: &[Competitor], error: f64) -> Option<Equal> {
+pub fn time_at(rivals: &[Competitor], error: f64) -> Option<FrontPoint> {
     let mut front: Vec<Competitor> = rivals.iter().copied().filter(|r| r.time > 0.0 && r.error >= 0.0).collect();
     front.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.error.total_cmp(&b.error)));
     let mut least = f64::INFINITY;
@@ -37,12 +37,12 @@ pub fn time_at(rivals: &[Competitor], error: f64) -> Option<Equal> {
     let next = front.iter().position(|r| r.error <= error)?;
     let (to, from) = (front[next], next.checked_sub(1).map(|k| front[k]));
     match from.filter(|_| to.error < error) {
-        None => Some(Equal { time: to.time, label: to.label.into(), bound: to.error < error }),
+        None => Some(FrontPoint { time: to.time, label: to.label.into(), bound: to.error < error }),
         Some(from) => {
             let log = |e: f64| e.max(f64::MIN_POSITIVE).ln();
             let part = (log(from.error) - log(error)) / (log(from.error) - log(to.error));
             let time = from.time * (to.time / from.time).powf(part);
-            Some(Equal { time, label: format!("between {} and {}", from.label, to.label), bound: false })
+            Some(FrontPoint { time, label: format!("between {} and {}", from.label, to.label), bound: false })
         }
     }
 }
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_rival_in_between_is_in_between() {
         let at = |error| time_at(&RIVALS, error);
-        let exact = |label: &str, time| Some(Equal { time, label: label.into(), bound: false });
+        let exact = |label: &str, time| Some(FrontPoint { time, label: label.into(), bound: false });
         assert_eq!(at(0.04), exact("medium", 4.0));
         assert_eq!(at(0.01), exact("fine", 64.0));
         let between = at(0.08).unwrap();
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn beyond_the_front_there_is_a_bound_or_nothing() {
-        assert_eq!(time_at(&RIVALS, 0.2), Some(Equal { time: 1.0, label: "coarse".into(), bound: true }));
+        assert_eq!(time_at(&RIVALS, 0.2), Some(FrontPoint { time: 1.0, label: "coarse".into(), bound: true }));
         assert_eq!(time_at(&RIVALS, 0.009), None);
         assert_eq!(time_at(&[], 0.1), None);
     }

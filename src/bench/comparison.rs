@@ -1,16 +1,16 @@
 //! Comparison of all configurations on the same grasps. Repetitions are interleaved, so that other load on the machine
 //! affects all configurations alike.
 
-pub use super::entry::{BenchEntry, Prepared, add_stages};
-use super::ladder::{self, Member, RefinementStudy, Role, Tally};
+pub use super::entry::{BenchEntry, PreparedConfiguration, add_stages};
+use super::refinement_study::{self, PairDistances, RefinementStudy, Role, StudyMember};
 use super::report::BenchReport;
-pub use super::rules::Rules;
+pub use super::settings::ComparisonSettings;
 use super::sweep::Sweep;
 use super::values::{FrameValues, values};
 use base::error::{Error, Result};
 use geometry::Pose;
 use model::Model;
-use model::grasp::poses_of;
+use model::grasp::grasp_poses;
 use record::error_norm::{Fields, Points};
 use scene::Scene;
 use std::path::PathBuf;
@@ -21,31 +21,31 @@ use std::path::PathBuf;
 /// # Errors
 /// Fails if the scene is not supported by a bench or cannot be built, a network rejects it, or the reference completes
 /// no grasp.
-pub fn contest(
+pub fn compare(
     scene: &Scene,
     models: &[PathBuf],
-    rules: &Rules,
+    settings: &ComparisonSettings,
     mut progress: impl FnMut(&str),
 ) -> Result<BenchReport> {
     let sweep = Sweep::new(scene)?;
-    let mut climb = RefinementRun::new(&sweep, rules)?;
+    let mut run = RefinementRun::new(&sweep, settings)?;
     let mut entries: Vec<BenchEntry> = sweep.configurations(models)?.into_iter().map(BenchEntry::new).collect();
-    let mut grasps = sample(&poses_of(scene)?, rules.grasps);
+    let mut grasps = sample(&grasp_poses(scene)?, settings.grasps);
     if let Some((_, pose)) = grasps.first() {
         // In order of size, because memory that the allocator keeps from one configuration is reused by the next.
-        let mut all: Vec<&mut BenchEntry> = entries.iter_mut().chain([climb.reference()]).collect();
+        let mut all: Vec<&mut BenchEntry> = entries.iter_mut().chain([run.reference()]).collect();
         all.sort_by_key(|e| e.configuration.nodes);
         for entry in all {
             progress(&format!("memory: {}", entry.configuration.label));
             entry.measure_memory(*pose)?;
         }
     }
-    for turn in 0..rules.repeats {
+    for turn in 0..settings.repeats {
         let mut lost = Vec::new();
         for (index, pose) in &grasps {
             let mut truth = Vec::new();
             if turn == 0 {
-                match climb.grasp(*index, *pose, &mut progress)?.into_iter().find(|s| s.role == Role::Reference) {
+                match run.grasp(*index, *pose, &mut progress)?.into_iter().find(|s| s.role == Role::Reference) {
                     Some(step) => truth = step.fields,
                     None => {
                         lost.push(*index);
@@ -57,21 +57,21 @@ pub fn contest(
                 progress(&format!(
                     "repetition {} of {}, grasp {index}: {}",
                     turn + 1,
-                    rules.repeats,
+                    settings.repeats,
                     entry.configuration.label
                 ));
-                let own = entry.run(&climb.pool, *index, *pose, &climb.points)?;
-                entry.judge(&climb.points, &own, &truth);
+                let own = entry.run(&run.pool, *index, *pose, &run.points)?;
+                entry.add_errors(&run.points, &own, &truth);
             }
         }
         grasps.retain(|(index, _)| !lost.contains(index));
     }
     if grasps.is_empty() {
-        return Err(Error::Solver(format!("the reference failed for all grasps: {}", climb.notices.join("; "))));
+        return Err(Error::Solver(format!("the reference failed for all grasps: {}", run.notices.join("; "))));
     }
     let numbers = grasps.iter().map(|(index, _)| *index).collect();
-    let (ladder, notices) = (climb.ladder(), std::mem::take(&mut climb.notices));
-    Ok(BenchReport::new(rules, numbers, (climb.reference(), ladder), &entries, notices))
+    let (study, notices) = (run.results(), std::mem::take(&mut run.notices));
+    Ok(BenchReport::new(settings, numbers, (run.reference(), study), &entries, notices))
 }
 
 /// Result of a member of the mesh refinement study for a grasp.
@@ -90,7 +90,7 @@ pub struct MemberResult {
 pub struct RefinementRun {
     members: Vec<(Role, BenchEntry)>,
     reference: usize,
-    tally: Tally,
+    pairs: PairDistances,
     /// Points at which fields are compared.
     pub points: Points,
     /// Thread pool in which grasps run.
@@ -104,19 +104,21 @@ impl RefinementRun {
     ///
     /// # Errors
     /// Fails if a pad cannot be meshed or threads cannot be started.
-    pub fn new(sweep: &Sweep, rules: &Rules) -> Result<Self> {
-        let members: Vec<_> =
-            ladder::members(sweep, rules.rungs)?.into_iter().map(|(role, c)| (role, BenchEntry::new(c))).collect();
+    pub fn new(sweep: &Sweep, settings: &ComparisonSettings) -> Result<Self> {
+        let members: Vec<_> = refinement_study::members(sweep, settings.levels)?
+            .into_iter()
+            .map(|(role, c)| (role, BenchEntry::new(c)))
+            .collect();
         let reference = members.iter().position(|(role, _)| *role == Role::Reference).unwrap_or(0);
         // Quadrature points of the mesh one level below the reference: it resolves the edge of a contact patch with an
         // affordable number of points.
         let (_, sampled) = &members[reference.saturating_sub(1)];
         let points = Points::of(&Model::build(&sampled.configuration.scene)?.finger()?.topology);
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(rules.threads)
+            .num_threads(settings.threads)
             .build()
-            .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", rules.threads)))?;
-        Ok(Self { tally: Tally::new(members.len()), reference, members, points, pool, notices: Vec::new() })
+            .map_err(|e| Error::Start(format!("cannot start {} threads: {e}", settings.threads)))?;
+        Ok(Self { pairs: PairDistances::new(members.len()), reference, members, points, pool, notices: Vec::new() })
     }
 
     /// Returns the reference.
@@ -157,20 +159,20 @@ impl RefinementRun {
             return Ok(Vec::new());
         }
         let fields: Vec<&[Fields]> = steps.iter().map(|s| &s.fields[..]).collect();
-        self.tally.add(&self.points, &levels, &fields);
+        self.pairs.add(&self.points, &levels, &fields);
         steps.retain(|s| !fails(s));
         Ok(steps)
     }
 
     /// Returns the results of the mesh refinement study for the grasps so far.
-    pub fn ladder(&self) -> RefinementStudy {
-        let member = |(role, entry): &(Role, BenchEntry)| Member {
+    pub fn results(&self) -> RefinementStudy {
+        let member = |(role, entry): &(Role, BenchEntry)| StudyMember {
             label: entry.configuration.label.clone(),
             role: *role,
             nodes: entry.configuration.nodes,
             time_per_grasp_s: Some(entry.time_per_grasp()).filter(|t| t.is_finite()),
         };
-        RefinementStudy::new(self.members.iter().map(member).collect(), &self.tally)
+        RefinementStudy::new(self.members.iter().map(member).collect(), &self.pairs)
     }
 }
 

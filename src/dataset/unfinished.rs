@@ -2,15 +2,15 @@
 
 use super::campaign::{PROGRESS, open};
 use super::manifest::ObjectEntry;
-use super::progress::{Finished, Progress};
+use super::progress::{FinishedGrasp, ProgressRecords};
 use super::reader::ObjectFile;
 use base::error::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Returns the finished grasps of an object of the data set in `dir`.
-pub fn finished(dir: &Path, object: &ObjectEntry) -> BTreeMap<usize, Finished> {
-    Progress::of(dir.join(PROGRESS).join(&object.name)).finished(object.grasps)
+pub fn finished(dir: &Path, object: &ObjectEntry) -> BTreeMap<usize, FinishedGrasp> {
+    ProgressRecords::of(dir.join(PROGRESS).join(&object.name)).finished(object.grasps)
 }
 
 /// Opens the file of an object under its final or its temporary name; rows of unfinished grasps fail their checksum.

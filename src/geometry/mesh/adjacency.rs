@@ -85,38 +85,38 @@ impl TriangleAdjacency {
     }
 
     /// Returns the triangles around a vertex, ascending.
-    pub fn around(&self, vertex: u32) -> &[u32] {
+    pub fn vertex_triangles(&self, vertex: u32) -> &[u32] {
         let v = vertex as usize;
         if v < self.closed.len() { &self.triangles[self.first[v]..self.first[v + 1]] } else { &[] }
     }
 
     /// Returns the two triangles at edge `i` of a triangle; None on the rim of the surface.
-    pub fn sides(&self, triangle: u32, i: usize) -> Option<[u32; 2]> {
+    pub fn edge_triangles(&self, triangle: u32, i: usize) -> Option<[u32; 2]> {
         self.sides[self.edges[triangle as usize][i] as usize]
     }
 
     /// Returns a triangle at an edge, and the index of the edge in it.
-    pub fn owner(&self, edge: u32) -> (u32, usize) {
+    pub fn triangle_of_edge(&self, edge: u32) -> (u32, usize) {
         self.owner[edge as usize]
     }
 
     /// Returns a triangle at a vertex, and the index of the corner in it.
-    pub fn owner_of_corner(&self, vertex: u32) -> Option<(u32, usize)> {
-        let &t = self.around(vertex).first()?;
+    pub fn triangle_of_vertex(&self, vertex: u32) -> Option<(u32, usize)> {
+        let &t = self.vertex_triangles(vertex).first()?;
         Some((t, self.corners[t as usize].iter().position(|c| *c == vertex)?))
     }
 
     /// Returns the triangles that share a vertex with `triangle`, itself included, ascending.
     fn ring(&self, triangle: u32) -> Vec<u32> {
         let mut ring: Vec<u32> =
-            self.corners[triangle as usize].iter().flat_map(|v| self.around(*v)).copied().collect();
+            self.corners[triangle as usize].iter().flat_map(|v| self.vertex_triangles(*v)).copied().collect();
         ring.sort_unstable();
         ring.dedup();
         ring
     }
 
     /// Converts a part of a triangle to a part of the surface.
-    pub fn place(&self, triangle: u32, part: TrianglePart) -> SurfacePart {
+    pub fn to_surface_part(&self, triangle: u32, part: TrianglePart) -> SurfacePart {
         let t = triangle as usize;
         match part {
             TrianglePart::Face => SurfacePart::Face(triangle),
@@ -129,7 +129,7 @@ impl TriangleAdjacency {
     /// of triangle `own`. Each has a weight in a sum in which the weight of the closest part is 1 (inclusion and
     /// exclusion). `view` returns the position of an adjacent triangle relative to the point; `along` returns the part
     /// (edge or corner) of the given triangle that contains the closest point of its given edge.
-    pub fn beside(
+    pub fn additional_parts(
         &self,
         own: u32,
         nearest: TrianglePart,
@@ -148,7 +148,7 @@ impl TriangleAdjacency {
         if found.len() < 2 {
             return Vec::new();
         }
-        let closest = self.place(own, nearest);
+        let closest = self.to_surface_part(own, nearest);
         let mut weights = self.weights(&found, along);
         weights.iter_mut().filter(|(place, _)| *place == closest).for_each(|(_, weight)| *weight -= 1.0);
         weights.retain(|(_, weight)| *weight != 0.0);
@@ -177,7 +177,7 @@ impl TriangleAdjacency {
         };
         let within = |triangle: &u32| found.iter().any(|(t, _)| t == triangle);
         for &(t, part) in found {
-            add(self.place(t, part), 1.0);
+            add(self.to_surface_part(t, part), 1.0);
             for i in 0..3 {
                 let edge = self.edges[t as usize][i];
                 // Once per edge, by the first of its triangles.
@@ -185,10 +185,10 @@ impl TriangleAdjacency {
                     && self.owner[edge as usize].0 == t
                     && sides.iter().all(within)
                 {
-                    add(self.place(t, along(t, i)), -1.0);
+                    add(self.to_surface_part(t, along(t, i)), -1.0);
                 }
                 let vertex = self.corners[t as usize][i];
-                let ring = self.around(vertex);
+                let ring = self.vertex_triangles(vertex);
                 if self.closed[vertex as usize] && ring[0] == t && ring.iter().all(within) {
                     add(SurfacePart::Corner(vertex), 1.0);
                 }

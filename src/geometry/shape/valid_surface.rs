@@ -2,14 +2,14 @@
 
 use crate::mesh::TriMesh;
 use crate::shape::repair::repair;
-use crate::shape::validity::judge;
+use crate::shape::validity::orient_and_check;
 use base::error::{Error, Result};
 
 /// Orients triangles and shells of `mesh` and rejects a surface that bounds no solid, with the location of the fault;
 /// with `mend` it is repaired instead. Returns the surface and a notice for each change.
-pub fn sound(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
+pub fn valid_surface(mesh: TriMesh, mend: bool) -> Result<(TriMesh, Vec<String>)> {
     let mut turned = mesh.clone();
-    match judge(&mut turned) {
+    match orient_and_check(&mut turned) {
         Ok(news) => Ok((turned, news)),
         Err(Error::Mesh(fault)) if mend => {
             let (mesh, news) = repair(mesh)?;

@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use crate::Aabb;
 use crate::mesh::shells::orient;
-use crate::mesh::{TetMesh, show, surface};
-use crate::shape::overlap::overlaps;
+use crate::mesh::{TetMesh, format_point, surface};
+use crate::shape::overlap::find_overlaps;
 use base::error::{Error, Result};
-use base::number::counted;
+use base::number::format_count;
 
 /// Root-mean-square distance of the held nodes of a part from their best-fit line, over the size of the part, below
 /// which the part can rotate about that line.
-const ON_A_LINE: f64 = 1e-3;
+const COLLINEAR_RATIO: f64 = 1e-3;
 
 /// Rejects a mesh that overlaps itself, or has a part with a free rigid-body motion. Indices must be valid, volumes
 /// positive and no face shared by more than two tetrahedra; `bonded` is a flag per node.
@@ -19,9 +19,9 @@ const ON_A_LINE: f64 = 1e-3;
 /// # Errors
 /// Returns [`Error::Mesh`] with the first such part and its position.
 pub(super) fn check(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
-    held(mesh, bonded)?;
+    check_constrained(mesh, bonded)?;
     let (mut boundary, _) = surface::boundary_mesh(mesh);
-    if let Some(fault) = overlaps(&boundary).complaint(&boundary) {
+    if let Some(fault) = find_overlaps(&boundary).error_message(&boundary) {
         return Err(Error::Mesh(format!("the pad overlaps itself: {fault}, or remove duplicates from the file")));
     }
     // Every shell bounds gel from outside or a cavity from inside; one with the wrong orientation lies inside other
@@ -49,7 +49,7 @@ struct Part {
 
 impl Part {
     /// Adds a held node.
-    fn hold(&mut self, node: DVec3) {
+    fn add_fixed_node(&mut self, node: DVec3) {
         let p = node - self.bounds.center();
         self.count += 1;
         self.sum += p;
@@ -60,7 +60,7 @@ impl Part {
     /// Returns true if the held nodes are not on a line. Their covariance has the eigenvalues `a >= b >= c`; the ratio
     /// of its second to its first invariant lies between `(b + c) / 2` and `b + c`, the mean square of the distance
     /// from the best-fit line.
-    fn is_held(&self) -> bool {
+    fn is_constrained(&self) -> bool {
         let n = (self.count as f64).max(1.0);
         let mean = self.sum / n;
         let (s, p) = (
@@ -69,14 +69,14 @@ impl Part {
         );
         let trace = s.element_sum();
         let second = s.x * s.y + s.y * s.z + s.z * s.x - p.length_squared();
-        self.count > 2 && second > (ON_A_LINE * self.bounds.size().max_element()).powi(2) * trace
+        self.count > 2 && second > (COLLINEAR_RATIO * self.bounds.size().max_element()).powi(2) * trace
     }
 }
 
 /// Rejects a part that can move as a rigid body. A part is held if those of its nodes that are bonded, or belong to a
 /// part that is held, do not lie on a line.
-fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
-    let (part_of, count) = surface::parts(mesh);
+fn check_constrained(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
+    let (part_of, count) = surface::connected_components(mesh);
     let empty = || Part {
         tets: 0,
         bounds: Aabb::EMPTY,
@@ -101,29 +101,29 @@ fn held(mesh: &TetMesh, bonded: &[bool]) -> Result<()> {
         for part in at {
             nodes_of[*part as usize].push(node as u32);
             if bonded[node] {
-                parts[*part as usize].hold(mesh.nodes[node]);
+                parts[*part as usize].add_fixed_node(mesh.nodes[node]);
             }
         }
     }
     let mut fixed = bonded.to_vec();
-    let mut open: Vec<usize> = (0..count).filter(|part| parts[*part].is_held()).collect();
+    let mut open: Vec<usize> = (0..count).filter(|part| parts[*part].is_constrained()).collect();
     while let Some(part) = open.pop() {
         for node in std::mem::take(&mut nodes_of[part]) {
             if !std::mem::replace(&mut fixed[node as usize], true) {
                 for other in &parts_at[node as usize] {
                     let other = *other as usize;
-                    let before = parts[other].is_held();
-                    parts[other].hold(mesh.nodes[node as usize]);
-                    if !before && parts[other].is_held() {
+                    let before = parts[other].is_constrained();
+                    parts[other].add_fixed_node(mesh.nodes[node as usize]);
+                    if !before && parts[other].is_constrained() {
                         open.push(other);
                     }
                 }
             }
         }
     }
-    let Some(loose) = parts.iter().find(|part| !part.is_held()) else { return Ok(()) };
-    let place = show(loose.bounds.center());
-    let tets = counted(loose.tets, "tetrahedron");
+    let Some(loose) = parts.iter().find(|part| !part.is_constrained()) else { return Ok(()) };
+    let place = format_point(loose.bounds.center());
+    let tets = format_count(loose.tets, "tetrahedron");
     let what = if count == 1 {
         format!("the pad of {tets} about {place}")
     } else {

@@ -82,14 +82,14 @@ pub fn is_row_verified(array: usize) -> bool {
 
 /// Checksum of the bytes of a file that are not covered by the checksums of its grasps; it is quick to verify.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Seal {
+pub struct RemainderChecksum {
     /// Byte ranges that are excluded (start, length; ascending).
     pub apart: Vec<[u64; 2]>,
     /// BLAKE3 of the other bytes.
     pub blake3: String,
 }
 
-impl Seal {
+impl RemainderChecksum {
     /// Computes the seal of the file at `path`, excluding the byte ranges `apart` (start, length; ascending).
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl Seal {
     ///
     /// # Errors
     /// Fails if the file cannot be read.
-    pub fn is_on(&self, path: &Path) -> Result<bool> {
+    pub fn matches(&self, path: &Path) -> Result<bool> {
         Ok(Self::of(path, self.apart.clone())?.blake3 == self.blake3)
     }
 }

@@ -49,12 +49,12 @@ pub struct Findings {
 
 impl Findings {
     /// Returns true if the state is admissible: every number is finite, and no element was found to be inverted.
-    pub fn is_sound(&self) -> bool {
+    pub fn is_admissible(&self) -> bool {
         self.finite && (self.min_det_f.is_nan() || self.min_det_f > 0.0)
     }
 
     /// Returns the worse value of both for every finding; NaN (not measured) is worse than any number.
-    pub fn worst(self, other: Self) -> Self {
+    pub fn merge_worst(self, other: Self) -> Self {
         let pick =
             |a: f64, b: f64, worse: fn(f64, f64) -> f64| if a.is_nan() || b.is_nan() { f64::NAN } else { worse(a, b) };
         Self {
@@ -69,7 +69,7 @@ impl Findings {
 
 /// Checks that the expectations of a scene need.
 #[derive(Debug)]
-struct Asked {
+struct RequestedChecks {
     inversion: bool,
     penetration: bool,
     equilibrium: bool,
@@ -78,7 +78,7 @@ struct Asked {
 /// Auditor of a scene, with the data that are the same for all frames.
 #[derive(Debug)]
 pub struct Auditor {
-    asked: Asked,
+    asked: RequestedChecks,
     solid: Solid,
     object: ObjectPoints,
     pads: Vec<PadSurface>,
@@ -87,10 +87,10 @@ pub struct Auditor {
 }
 
 impl Auditor {
-    /// Creates the auditor for the expectations `promises` about the scene's object with the geometry `shape`, and its
+    /// Creates the auditor for the expectations `expectations` about the scene's object with the geometry `shape`, and its
     /// fingers; `offset` is the contact offset, m.
     pub fn new(
-        promises: &[Expectation],
+        expectations: &[Expectation],
         object: &scene::Object,
         shape: &Shape,
         fingers: &[FingerModel],
@@ -100,8 +100,8 @@ impl Auditor {
         let spacing = pads.iter().map(|p| p.spacing).fold(f64::INFINITY, f64::min);
         let (solid, object) =
             (Solid::new(object, shape), ObjectPoints::new(&shape.surface, shape.has_display_mesh(), spacing));
-        let asked = |of: fn(&Expectation) -> bool| promises.iter().any(of);
-        let asked = Asked {
+        let asked = |of: fn(&Expectation) -> bool| expectations.iter().any(of);
+        let asked = RequestedChecks {
             inversion: asked(|e| matches!(e, Expectation::NoInversion)),
             penetration: asked(|e| matches!(e, Expectation::NoPenetration | Expectation::Penetration(_))),
             equilibrium: asked(|e| matches!(e, Expectation::Converged(_))),
@@ -110,7 +110,7 @@ impl Auditor {
     }
 
     /// Audits a frame of the same fingers; `gravity` is in the hand frame, m/s2.
-    pub fn judge(&self, fingers: &[FingerModel], frame: &Frame, gravity: DVec3) -> Findings {
+    pub fn audit(&self, fingers: &[FingerModel], frame: &Frame, gravity: DVec3) -> Findings {
         let offset = self.offset;
         if !finite(frame) {
             let nan = f64::NAN;

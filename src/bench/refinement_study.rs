@@ -1,5 +1,5 @@
 //! Reference of a benchmark, and an estimate of its error by a mesh refinement study. Its members use condensed pads: a
-//! sequence of meshes, each level (rung) finer than the previous one by the square root of two, whose finest is the
+//! sequence of meshes, each level finer than the previous one by the square root of two, whose finest is the
 //! reference; a mesh of another kind that is equally fine at the centre; and the reference with half the path
 //! tolerance.
 //!
@@ -9,13 +9,13 @@
 //! as fine). The observed order of convergence is reported, and [`RefinementStudy::findings`] states where the order,
 //! the two distances or the path error are inconsistent.
 
-use super::density::{coarser, other_kind};
+use super::density::{alternative_mesh, coarser};
 use super::quantity::{QUANTITIES, QuantityName};
 use super::sweep::{Configuration, Sweep};
 use base::error::Result;
 use base::stats::median;
 use net::eval::table::MIN_LOAD_FRACTION;
-use record::error_norm::{Distance, Fields, Points};
+use record::error_norm::{Fields, FrameDistance, Points};
 use scene::leaf::Positive;
 use scene::{Condensed, Fem, Solver};
 use serde::{Deserialize, Serialize};
@@ -23,9 +23,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Default number of mesh levels: the cells of the finest are narrower than the scene's by a factor of 2.8.
-pub const RUNGS: usize = 4;
+pub const DEFAULT_LEVELS: usize = 4;
 /// Tolerance of the condensed pads of all members: far below the error of their meshes.
-const SHARP: Condensed = Condensed { error: Positive::preset(0.002) };
+const TIGHT_TOLERANCE: Condensed = Condensed { error: Positive::new_unchecked(0.002) };
 /// Factor within which an error estimate should be accurate.
 const ESTIMATE_FACTOR: f64 = 2.0;
 
@@ -34,39 +34,41 @@ const ESTIMATE_FACTOR: f64 = 2.0;
 #[serde(rename_all = "snake_case")]
 pub enum Role {
     /// Level of the refinement sequence other than the finest.
-    Rung,
+    #[serde(rename = "rung")]
+    MeshLevel,
     /// Finest level of the refinement sequence.
     Reference,
     /// Mesh of another kind.
-    Other,
+    #[serde(rename = "other")]
+    AlternativeMesh,
     /// Reference with half the path tolerance.
     HalfPath,
 }
 
-/// Returns the members of the mesh refinement study of the scene of `sweep`: `rungs` mesh levels (one if its pads are
+/// Returns the members of the mesh refinement study of the scene of `sweep`: `levels` mesh levels (one if its pads are
 /// from a file), each finer than the previous one by the square root of two, the finest being the reference; then a
 /// mesh of another kind, and the reference with half the path tolerance, where they exist.
 ///
 /// # Errors
 /// Fails if a pad cannot be meshed.
-pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>> {
-    let fem = Fem { solver: Solver::Condensed(SHARP), ..sweep.fem };
+pub fn members(sweep: &Sweep, levels: usize) -> Result<Vec<(Role, Configuration)>> {
+    let fem = Fem { solver: Solver::Condensed(TIGHT_TOLERANCE), ..sweep.fem };
     let pads = &sweep.scene.gripper.pads;
     let mut members: Vec<(Role, Configuration)> = Vec::new();
-    for rung in 0..if sweep.refinable() { rungs } else { 1 } {
-        let finer = coarser(pads, FRAC_1_SQRT_2.powi(rung as i32))?;
+    for level in 0..if sweep.refinable() { levels } else { 1 } {
+        let finer = coarser(pads, FRAC_1_SQRT_2.powi(level as i32))?;
         let new = sweep.configuration("condensed, tight tolerance", finer, fem)?;
         // Spacings are rounded to whole cells, so two of them may result in the same mesh.
         if members.last().is_none_or(|(_, last)| last.nodes < new.nodes) {
-            members.push((Role::Rung, new));
+            members.push((Role::MeshLevel, new));
         }
     }
     let Some((role, reference)) = members.last_mut() else { return Ok(members) };
     *role = Role::Reference;
     reference.label = format!("reference, {}", reference.label);
     let finest = reference.scene.gripper.pads.clone();
-    if let Some(other) = other_kind(&finest)? {
-        members.push((Role::Other, sweep.configuration("condensed, tight tolerance", other, fem)?));
+    if let Some(other) = alternative_mesh(&finest)? {
+        members.push((Role::AlternativeMesh, sweep.configuration("condensed, tight tolerance", other, fem)?));
     }
     if sweep.scene.gripper.friction.get() > 0.0
         && let Ok(path) = Positive::new(0.5 * fem.path.get())
@@ -79,10 +81,10 @@ pub fn members(sweep: &Sweep, rungs: usize) -> Result<Vec<(Role, Configuration)>
 /// Distances between the results of all pairs of members of a mesh refinement study, accumulated over grasps and
 /// frames.
 #[derive(Debug)]
-pub struct Tally(Vec<Vec<Vec<Distance>>>);
+pub struct PairDistances(Vec<Vec<Vec<FrameDistance>>>);
 
-impl Tally {
-    /// Creates an empty tally for a study with `members` members.
+impl PairDistances {
+    /// Creates empty distances for a study with `members` members.
     pub fn new(members: usize) -> Self {
         Self((0..members).map(|_| vec![Vec::new(); members]).collect())
     }
@@ -101,16 +103,16 @@ impl Tally {
 /// Returns the distance of each frame of `own` from the same frame of `truth`, for the frames whose load in `levels` (N
 /// or m) is at least the fraction [`MIN_LOAD_FRACTION`] of the last one. `points` are the common points at which fields
 /// are compared.
-pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<Distance> {
+pub fn distances(points: &Points, levels: &[f64], own: &[Fields], truth: &[Fields]) -> Vec<FrameDistance> {
     // Deformation is almost zero at small loads, where relative errors are not meaningful.
     let least = (MIN_LOAD_FRACTION - 1e-9) * levels.last().copied().unwrap_or(1.0);
     let frames = own.iter().zip(truth).zip(levels).filter(|(_, level)| **level >= least);
-    frames.map(|((own, truth), _)| Distance::of(points, own, truth)).collect()
+    frames.map(|((own, truth), _)| FrameDistance::of(points, own, truth)).collect()
 }
 
 /// Reported properties of a member of the mesh refinement study.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Member {
+pub struct StudyMember {
     /// Name of the member in tables: solver and mesh.
     pub label: String,
     /// Role of the member in the study.
@@ -125,7 +127,7 @@ pub struct Member {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RefinementStudy {
     /// Members of the study, mesh levels from coarse to fine first.
-    pub members: Vec<Member>,
+    pub members: Vec<StudyMember>,
     /// Distances by quantity, as a square matrix: element `[i][j]` with i < j is the distance of member i from member
     /// j, the median over grasps and frames. It is relative to the norm of member j, except for quantities with a unit
     /// in their name. Other elements are None (`null` in JSON).
@@ -145,34 +147,36 @@ pub struct ErrorEstimate {
     /// not converge.
     pub order: Option<f64>,
     /// Distance between the last two mesh levels: an upper bound of the error of the finest.
-    pub by_rungs: Option<f64>,
+    #[serde(rename = "by_rungs")]
+    pub by_levels: Option<f64>,
     /// Distance to the mesh of another kind: a lower bound of the error, because the two meshes share a part of it.
-    pub by_other: Option<f64>,
+    #[serde(rename = "by_other")]
+    pub by_alternative_mesh: Option<f64>,
     /// Path error: twice the change by halving the path tolerance.
     pub by_path: Option<f64>,
 }
 
 impl RefinementStudy {
-    /// Computes the results from the properties of the members and the distances between them in `tally`, in the same
+    /// Computes the results from the properties of the members and the distances between them in `pairs`, in the same
     /// order.
-    pub fn new(members: Vec<Member>, tally: &Tally) -> Self {
-        let table = |pick: fn(&Distance) -> f64| -> Vec<Vec<Option<f64>>> {
-            let middle = |d: &Vec<Distance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
-            tally.0.iter().map(|row| row.iter().map(middle).collect()).collect()
+    pub fn new(members: Vec<StudyMember>, pairs: &PairDistances) -> Self {
+        let table = |pick: fn(&FrameDistance) -> f64| -> Vec<Vec<Option<f64>>> {
+            let middle = |d: &Vec<FrameDistance>| Some(median(d.iter().map(pick))).filter(|m| m.is_finite());
+            pairs.0.iter().map(|row| row.iter().map(middle).collect()).collect()
         };
         let distances: BTreeMap<QuantityName, _> =
             QUANTITIES.iter().map(|(name, pick)| (QuantityName::from(*name), table(*pick))).collect();
         let relative = distances.iter().filter(|(name, _)| !name.contains("_max_"));
         let errors: BTreeMap<QuantityName, ErrorEstimate> =
             relative.map(|(name, table)| (name.clone(), ErrorEstimate::of(&members, table))).collect();
-        let mut ladder = Self { members, distances, errors, findings: Vec::new() };
-        ladder.findings = ["displacement", "stress"].into_iter().flat_map(|name| ladder.finding(name)).collect();
-        if ladder.members.iter().filter(|m| matches!(m.role, Role::Rung | Role::Reference)).count() < 2 {
+        let mut study = Self { members, distances, errors, findings: Vec::new() };
+        study.findings = ["displacement", "stress"].into_iter().flat_map(|name| study.finding(name)).collect();
+        if study.members.iter().filter(|m| matches!(m.role, Role::MeshLevel | Role::Reference)).count() < 2 {
             let text = "the pads have only one mesh: its discretisation error is unknown, only the effect of other \
                 settings is measured";
-            ladder.findings.push(text.into());
+            study.findings.push(text.into());
         }
-        ladder
+        study
     }
 
     /// Returns a sentence if the parts of the error estimate of a quantity are inconsistent.
@@ -181,7 +185,7 @@ impl RefinementStudy {
         let percent = |v: f64| format!("{:.2} %", 100.0 * v);
         let mesh = e.mesh()?;
         let mut doubts = Vec::new();
-        match (e.order, e.by_rungs) {
+        match (e.order, e.by_levels) {
             (Some(order), Some(last)) => {
                 let left = last / (2_f64.powf(0.5 * order) - 1.0);
                 if left > ESTIMATE_FACTOR * mesh {
@@ -191,7 +195,7 @@ impl RefinementStudy {
             (None, Some(_)) => doubts.push("the last three mesh levels do not converge".into()),
             _ => {}
         }
-        if let (Some(last), Some(other)) = (e.by_rungs, e.by_other)
+        if let (Some(last), Some(other)) = (e.by_levels, e.by_alternative_mesh)
             && (last / other > ESTIMATE_FACTOR * ESTIMATE_FACTOR || other > last)
         {
             doubts.push(format!(
@@ -210,7 +214,7 @@ impl RefinementStudy {
 }
 
 impl ErrorEstimate {
-    fn of(members: &[Member], table: &[Vec<Option<f64>>]) -> Self {
+    fn of(members: &[StudyMember], table: &[Vec<Option<f64>>]) -> Self {
         let find = |role: Role| members.iter().position(|m| m.role == role);
         let Some(reference) = find(Role::Reference) else { return Self::default() };
         let from = |other: Option<usize>| table[reference][other?];
@@ -220,8 +224,8 @@ impl ErrorEstimate {
         let mut estimate = Self {
             error: None,
             order: ratio.map(|r| 2.0 * r.log2()),
-            by_rungs: before(0),
-            by_other: from(find(Role::Other)),
+            by_levels: before(0),
+            by_alternative_mesh: from(find(Role::AlternativeMesh)),
             by_path: from(find(Role::HalfPath)).map(|d| 2.0 * d),
         };
         estimate.error = estimate.mesh().into_iter().chain(estimate.by_path).reduce(f64::hypot);
@@ -230,7 +234,7 @@ impl ErrorEstimate {
 
     /// Returns the mesh error: the geometric mean of the upper and the lower bound, or the only known bound.
     pub fn mesh(&self) -> Option<f64> {
-        self.by_rungs.into_iter().chain(self.by_other).reduce(|more, less| (more * less).sqrt())
+        self.by_levels.into_iter().chain(self.by_alternative_mesh).reduce(|more, less| (more * less).sqrt())
     }
 }
 
@@ -239,9 +243,9 @@ mod tests {
     use super::*;
 
     /// Returns the estimate for members whose fields are the given numbers.
-    fn ladder(values: &[(Role, f64)]) -> ErrorEstimate {
-        let member = |role| Member { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
-        let members: Vec<Member> = values.iter().map(|(role, _)| member(*role)).collect();
+    fn estimate(values: &[(Role, f64)]) -> ErrorEstimate {
+        let member = |role| StudyMember { label: String::new(), role, nodes: 0, time_per_grasp_s: None };
+        let members: Vec<StudyMember> = values.iter().map(|(role, _)| member(*role)).collect();
         let table: Vec<Vec<_>> =
             values.iter().map(|(_, a)| values.iter().map(|(_, b)| Some((a - b).abs())).collect()).collect();
         ErrorEstimate::of(&members, &table)
@@ -250,9 +254,9 @@ mod tests {
     #[test]
     fn the_order_of_a_power_law_is_found_whatever_it_is() {
         for order in [0.5, 1.0, 2.0, 3.0] {
-            let error = |rung: f64| 0.3 * 2_f64.powf(-0.5 * rung * order);
-            let rungs = [(Role::Rung, error(0.0)), (Role::Rung, error(1.0)), (Role::Reference, error(2.0))];
-            let found = ladder(&rungs);
+            let error = |level: f64| 0.3 * 2_f64.powf(-0.5 * level * order);
+            let levels = [(Role::MeshLevel, error(0.0)), (Role::MeshLevel, error(1.0)), (Role::Reference, error(2.0))];
+            let found = estimate(&levels);
             assert!(found.order.is_some_and(|p| (p - order).abs() < 1e-9), "{found:?}");
             let last = error(1.0) - error(2.0);
             assert!(found.error.is_some_and(|e| (e - last).abs() < 1e-12), "{found:?} for {last}");
@@ -260,15 +264,20 @@ mod tests {
     }
 
     #[test]
-    fn a_ladder_that_does_not_converge_gives_no_order() {
-        let found = ladder(&[(Role::Rung, 0.0), (Role::Rung, 0.1), (Role::Reference, 0.3), (Role::Other, 0.25)]);
+    fn a_sequence_that_does_not_converge_gives_no_order() {
+        let found = estimate(&[
+            (Role::MeshLevel, 0.0),
+            (Role::MeshLevel, 0.1),
+            (Role::Reference, 0.3),
+            (Role::AlternativeMesh, 0.25),
+        ]);
         assert_eq!(found.order, None);
         assert!(found.error.is_some_and(|e| (e - 0.1).abs() < 1e-12), "the mean of 0.2 and 0.05: {found:?}");
     }
 
     #[test]
     fn the_path_counts_beside_the_mesh() {
-        let found = ladder(&[(Role::Reference, 0.0), (Role::Other, 0.03), (Role::HalfPath, 0.02)]);
+        let found = estimate(&[(Role::Reference, 0.0), (Role::AlternativeMesh, 0.03), (Role::HalfPath, 0.02)]);
         assert!(found.error.is_some_and(|e| (e - 0.05).abs() < 1e-12), "{found:?}");
     }
 }

@@ -4,18 +4,18 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::I64Vec3;
 
-use crate::mesh::topology::{collapse, sides};
+use crate::mesh::topology::{half_edges, merge_vertices};
 use crate::mesh::{TriMesh, facets};
 use base::stats::median;
 
 /// Tolerance, over the size of the object, within which vertices at open edges are merged.
-const RELATIVE: f64 = 1e-6;
+const RELATIVE_TOLERANCE: f64 = 1e-6;
 /// Number of equilateral triangles of unit edge length that cover a ball of unit diameter: `4 pi / sqrt(3)`.
-const ON_BALL: f64 = 7.255;
+const TRIANGLES_PER_BALL: f64 = 7.255;
 
-/// Result of [`weld_open`].
+/// Result of [`weld_faulty_edges`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closed {
+pub struct EdgeWeld {
     /// Number of vertices merged into others.
     pub vertices: usize,
     /// Tolerance, m.
@@ -34,16 +34,16 @@ pub fn tolerance(mesh: &TriMesh) -> f64 {
         let [p, q] = ends.map(|v| mesh.vertices[*v as usize]);
         p.distance(q)
     }));
-    let size = edge * (mesh.triangles.len() as f64 / ON_BALL).sqrt();
-    RELATIVE * size + 2.0 * median(mesh.vertices.iter().map(|p| p.abs().max_element())) * 2.0_f64.powi(-22)
+    let size = edge * (mesh.triangles.len() as f64 / TRIANGLES_PER_BALL).sqrt();
+    RELATIVE_TOLERANCE * size + 2.0 * median(mesh.vertices.iter().map(|p| p.abs().max_element())) * 2.0_f64.powi(-22)
 }
 
 /// Merges vertices at faulty edges (not shared by two triangles in opposite directions) and vertices of triangles
 /// without area with the first such vertex within [`tolerance`]; drops triangles that are left with a repeated vertex.
 /// A mesh without faults remains unchanged. Indices must be valid.
-pub fn weld_open(mesh: &mut TriMesh) -> Option<Closed> {
+pub fn weld_faulty_edges(mesh: &mut TriMesh) -> Option<EdgeWeld> {
     let mut loose = BTreeSet::new();
-    for group in sides(mesh).chunk_by(|x, y| x.ends == y.ends) {
+    for group in half_edges(mesh).chunk_by(|x, y| x.ends == y.ends) {
         if !matches!(group, [one, two] if one.reversed != two.reversed) {
             loose.extend(group[0].ends);
         }
@@ -75,7 +75,7 @@ pub fn weld_open(mesh: &mut TriMesh) -> Option<Closed> {
         }
     }
     if vertices > 0 {
-        collapse(mesh, &first);
+        merge_vertices(mesh, &first);
     }
-    (vertices > 0).then_some(Closed { vertices, tolerance, moved })
+    (vertices > 0).then_some(EdgeWeld { vertices, tolerance, moved })
 }

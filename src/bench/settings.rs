@@ -2,7 +2,7 @@
 
 /// Settings of a comparison.
 #[derive(Debug, Clone, Copy)]
-pub struct Rules {
+pub struct ComparisonSettings {
     /// Number of grasps, evenly spread over those of the scene; all if there are fewer.
     pub grasps: usize,
     /// Number of threads of each grasp; grasps run one at a time.
@@ -10,5 +10,5 @@ pub struct Rules {
     /// Number of repetitions of each grasp by each configuration; times are medians.
     pub repeats: usize,
     /// Number of levels of the mesh refinement sequence from which the error of the reference is estimated.
-    pub rungs: usize,
+    pub levels: usize,
 }

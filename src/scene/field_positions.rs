@@ -12,7 +12,7 @@ pub(super) type Origins = BTreeMap<&'static str, usize>;
 
 /// Positions of the fields in the files of a scene.
 #[derive(Debug)]
-pub(super) struct FieldPlaces {
+pub(super) struct FieldPositions {
     pub(super) sources: Vec<SceneText>,
     pub(super) origins: Origins,
     /// Names of the objects in the list `objects`, each with true if it has its own grasps; empty if the scene has one
@@ -20,17 +20,17 @@ pub(super) struct FieldPlaces {
     pub(super) listed: Vec<(Name, bool)>,
 }
 
-impl FieldPlaces {
+impl FieldPositions {
     pub(super) fn place(&self, error: Error, name: Option<&Name>) -> Error {
         let Error::Field { field, source } = error else { return error };
         let index = name.and_then(|name| self.listed.iter().position(|(own, _)| own == name));
         let text = source.to_string();
-        self.error_at(&self.written(field, index), text.strip_prefix("error: ").unwrap_or(&text))
+        self.error_at(&self.path_in_file(field, index), text.strip_prefix("error: ").unwrap_or(&text))
     }
 
     /// Returns the path of a field as written in the file: an object and its grasps may be an entry of the list of
     /// objects.
-    pub(super) fn written(&self, field: &str, index: Option<usize>) -> String {
+    pub(super) fn path_in_file(&self, field: &str, index: Option<usize>) -> String {
         let listed = index.and_then(|i| Some((i, self.listed.get(i)?.1)));
         match listed {
             _ if self.origins.contains_key("universe") && !field.starts_with("universe") => "universe".into(),

@@ -4,4 +4,4 @@ pub mod audit;
 pub mod verdict;
 
 pub use audit::{Auditor, Findings};
-pub use verdict::{Measured, Verdict, evaluate, evaluate_all};
+pub use verdict::{GraspMeasurements, Verdict, evaluate, evaluate_all};

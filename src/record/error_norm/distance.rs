@@ -6,7 +6,7 @@ use glam::DVec3;
 /// Distances of one frame of a grasp from another over all pads. Relative distances are divided by the norm of the
 /// other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Distance {
+pub struct FrameDistance {
     /// Displacement, L2 over the volume of the gel, relative.
     pub displacement: f64,
     /// Von Mises stress, L2 over the volume of the gel, relative.
@@ -21,7 +21,7 @@ pub struct Distance {
     pub stress_max_pa: f64,
 }
 
-impl Distance {
+impl FrameDistance {
     /// Computes the distances of `own` from `truth`, at the same points.
     pub fn of(points: &Points, own: &Fields, truth: &Fields) -> Self {
         let apart: Vec<f64> = own.displacement.iter().zip(&truth.displacement).map(|(a, b)| a.distance(*b)).collect();
@@ -65,12 +65,12 @@ mod tests {
             force: vec![DVec3::Z],
             travel: vec![0.5],
         };
-        let none = Distance::of(&points, &truth, &truth);
+        let none = FrameDistance::of(&points, &truth, &truth);
         assert_eq!([none.displacement, none.stress, none.force, none.travel, none.displacement_max_m], [0.0; 5]);
         let mut twice = truth.clone();
         twice.displacement.iter_mut().for_each(|u| *u *= 2.0);
         twice.stress.iter_mut().for_each(|s| *s *= 2.0);
-        let error = Distance::of(&points, &twice, &truth);
+        let error = FrameDistance::of(&points, &twice, &truth);
         assert!((error.displacement - 1.0).abs() < 1e-12 && (error.stress - 1.0).abs() < 1e-12);
         assert_eq!((error.displacement_max_m, error.stress_max_pa), (1.0, 2.0));
     }

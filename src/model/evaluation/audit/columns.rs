@@ -19,7 +19,7 @@ pub struct Columns {
 }
 
 /// Largest number of cells along a side.
-const MOST: usize = 256;
+const MAX_CELLS: usize = 256;
 
 impl Columns {
     /// Creates the columns of a closed surface with outward orientation.
@@ -30,7 +30,7 @@ impl Columns {
         for p in triangles.iter().flatten() {
             (min, max) = (min.min(p.truncate()), max.max(p.truncate()));
         }
-        let count = ((triangles.len() as f64).sqrt().ceil() as usize).clamp(1, MOST);
+        let count = ((triangles.len() as f64).sqrt().ceil() as usize).clamp(1, MAX_CELLS);
         let cell = ((max - min) / count as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let mut columns = Self { turn, triangles, min, cell, count, first: Vec::new(), entries: Vec::new() };
         columns.sort();
@@ -41,8 +41,8 @@ impl Columns {
         let mut cells = vec![Vec::new(); self.count * self.count];
         for (t, corners) in self.triangles.iter().enumerate() {
             let flat = corners.map(DVec3::truncate);
-            let low = self.place(flat[0].min(flat[1]).min(flat[2]));
-            let high = self.place(flat[0].max(flat[1]).max(flat[2]));
+            let low = self.column_of(flat[0].min(flat[1]).min(flat[2]));
+            let high = self.column_of(flat[0].max(flat[1]).max(flat[2]));
             for i in low.0..=high.0 {
                 for j in low.1..=high.1 {
                     cells[i * self.count + j].push(t as u32);
@@ -56,7 +56,7 @@ impl Columns {
         }
     }
 
-    fn place(&self, p: DVec2) -> (usize, usize) {
+    fn column_of(&self, p: DVec2) -> (usize, usize) {
         let at = (p - self.min) / self.cell;
         let index = |v: f64| (v.max(0.0) as usize).min(self.count - 1);
         (index(at.x), index(at.y))
@@ -65,12 +65,12 @@ impl Columns {
     /// Returns true if `q` is inside: the ray from it exits the surface more often than it enters.
     pub fn inside(&self, q: DVec3) -> bool {
         let q = self.turn * q;
-        let (i, j) = self.place(q.truncate());
+        let (i, j) = self.column_of(q.truncate());
         let cell = i * self.count + j;
         let mut winding = 0;
         for &t in &self.entries[self.first[cell] as usize..self.first[cell + 1] as usize] {
             let [a, b, c] = self.triangles[t as usize];
-            if !covers([a, b, c].map(DVec3::truncate), q.truncate()) {
+            if !triangle_contains([a, b, c].map(DVec3::truncate), q.truncate()) {
                 continue;
             }
             let normal = (b - a).cross(c - a);
@@ -95,7 +95,7 @@ impl Columns {
 /// Returns true if a triangle of the plane contains `p`. Edges are half-open and evaluated from their lower end, so
 /// that of all triangles at an edge or a corner, only those on one side count: the projections tile the plane without
 /// gaps or overlaps.
-fn covers(corners: [DVec2; 3], p: DVec2) -> bool {
+fn triangle_contains(corners: [DVec2; 3], p: DVec2) -> bool {
     let mut inside = false;
     for k in 0..3 {
         let (a, b) = (corners[k], corners[(k + 1) % 3]);

@@ -60,7 +60,7 @@ impl<'a> Tetrahedra<'a> {
     /// tetrahedron.
     fn each_cell(&self, mut visit: impl FnMut(usize, u32)) {
         for (t, ends) in self.boxes.iter().enumerate() {
-            let [from, to] = ends.map(|p| self.place(p));
+            let [from, to] = ends.map(|p| self.cell_of(p));
             for i in from[0]..=to[0] {
                 for j in from[1]..=to[1] {
                     (from[2]..=to[2]).for_each(|k| visit((i * CELLS + j) * CELLS + k, t as u32));
@@ -70,7 +70,7 @@ impl<'a> Tetrahedra<'a> {
     }
 
     /// Returns the cell nearest to `p`.
-    fn place(&self, p: DVec3) -> [usize; 3] {
+    fn cell_of(&self, p: DVec3) -> [usize; 3] {
         ((p - self.low) / self.cell).to_array().map(|v| (v.max(0.0) as usize).min(CELLS - 1))
     }
 
@@ -80,14 +80,14 @@ impl<'a> Tetrahedra<'a> {
         if !within(self.low, self.low + self.cell * CELLS as f64) {
             return false;
         }
-        let [i, j, k] = self.place(p);
+        let [i, j, k] = self.cell_of(p);
         let cell = (i * CELLS + j) * CELLS + k;
         let own = self.start[cell] as usize..self.start[cell + 1] as usize;
         let mut near = self.cells[own].iter().map(|&t| t as usize);
-        near.any(|t| within(self.boxes[t][0], self.boxes[t][1]) && self.holds(t, p))
+        near.any(|t| within(self.boxes[t][0], self.boxes[t][1]) && self.element_contains(t, p))
     }
 
-    fn holds(&self, t: usize, p: DVec3) -> bool {
+    fn element_contains(&self, t: usize, p: DVec3) -> bool {
         let node = |i: u32| self.x[i as usize];
         let l = match self.elements {
             ElementNodes::Linear(tets) => {

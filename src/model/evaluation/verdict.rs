@@ -1,6 +1,6 @@
 //! Evaluation of the expectations of a scene on the outcome of a grasp.
 
-use crate::judge::Findings;
+use crate::evaluation::Findings;
 use glam::DVec3;
 pub use record::Status;
 use scene::expect::{Bounds, Expectation, Reason};
@@ -11,7 +11,7 @@ use std::fmt;
 /// Quantities of one grasp on which expectations are evaluated, the worst over its frames if an expectation is about
 /// all frames. A quantity that was not measured is NaN, and every expectation about it fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Measured {
+pub struct GraspMeasurements {
     /// Status at the end of the grasp.
     pub status: Status,
     /// Reason why it did not reach the loading; empty if it did.
@@ -47,7 +47,7 @@ pub struct Measured {
     pub curve: Vec<(f64, f64)>,
 }
 
-impl Default for Measured {
+impl Default for GraspMeasurements {
     /// Creates a record in which nothing is measured.
     fn default() -> Self {
         Self {
@@ -89,7 +89,7 @@ pub struct Verdict {
 }
 
 /// Evaluates one expectation on one grasp.
-pub fn evaluate(expectation: &Expectation, m: &Measured) -> Verdict {
+pub fn evaluate(expectation: &Expectation, m: &GraspMeasurements) -> Verdict {
     let verdict = |held: bool, value: f64, bound: f64| Verdict {
         name: expectation.name().into(),
         held,
@@ -184,7 +184,7 @@ impl fmt::Display for Verdict {
 
 impl Verdict {
     /// Returns the verdict as a word of a report; all words have the same width.
-    pub fn verdict(&self) -> &'static str {
+    pub fn label(&self) -> &'static str {
         if self.held { "held    " } else { "VIOLATED" }
     }
 
@@ -197,16 +197,16 @@ impl Verdict {
 
     /// Returns the worse of two verdicts, or `self` if they are equal: a violated one, otherwise the one with the
     /// smaller margin.
-    pub fn worse(self, other: Self) -> Self {
+    pub fn worse_of(self, other: Self) -> Self {
         let order = self.held.cmp(&other.held).then(self.margin().total_cmp(&other.margin()));
         if order.is_gt() { other } else { self }
     }
 }
 
 /// Evaluates an expectation on all grasps of a scene by the worst of them. Without a grasp every expectation fails.
-pub fn evaluate_all(expectation: &Expectation, grasps: &[Measured]) -> Verdict {
-    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse);
-    worst.unwrap_or_else(|| Verdict { held: false, ..evaluate(expectation, &Measured::default()) })
+pub fn evaluate_all(expectation: &Expectation, grasps: &[GraspMeasurements]) -> Verdict {
+    let worst = grasps.iter().map(|measured| evaluate(expectation, measured)).reduce(Verdict::worse_of);
+    worst.unwrap_or_else(|| Verdict { held: false, ..evaluate(expectation, &GraspMeasurements::default()) })
 }
 
 fn within(bounds: &Bounds, value: f64) -> (bool, f64, f64) {
@@ -235,7 +235,7 @@ fn interpolate(curve: &[(f64, f64)], depth: f64) -> f64 {
     f64::NAN
 }
 
-fn ending(m: &Measured) -> String {
-    let status = m.status.word();
+fn ending(m: &GraspMeasurements) -> String {
+    let status = m.status.as_str();
     if m.reason.is_empty() { status.to_string() } else { format!("{status}: {}", m.reason) }
 }

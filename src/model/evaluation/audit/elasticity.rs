@@ -55,7 +55,7 @@ struct Point {
 impl Point {
     /// Evaluates an element with nodes at reference positions `rest` and at `x`, m, at the barycentric coordinates `l`.
     fn new(rest: &[DVec3], x: &[DVec3], l: [f64; 4]) -> Self {
-        let slopes = slopes(rest.len(), l);
+        let slopes = shape_derivatives(rest.len(), l);
         let sum = |at: &[DVec3]| at.iter().zip(&slopes).fold(DMat3::ZERO, |m, (p, s)| m + outer(*p, *s));
         let inverse = sum(rest).inverse();
         Self { f: sum(x) * inverse, shape: slopes.map(|s| inverse.transpose() * s) }
@@ -134,7 +134,7 @@ fn quadrature(width: usize) -> Vec<[f64; 4]> {
 
 /// Returns the derivatives of the shape functions of 4 or 10 nodes with respect to the barycentric coordinates 1 to 3;
 /// coordinate 0 is one minus their sum.
-fn slopes(width: usize, l: [f64; 4]) -> [DVec3; 10] {
+fn shape_derivatives(width: usize, l: [f64; 4]) -> [DVec3; 10] {
     let unit = [DVec3::splat(-1.0), DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|a| match (width, a) {
         (4, 0..4) => unit[a],
