@@ -54,7 +54,7 @@ impl Observer for Keep {
     }
 }
 
-fn run(scene: &Scene, threads: usize) -> (Vec<Outcome>, Vec<(usize, Frame)>) {
+fn run(scene: &Scene, threads: usize) -> Run {
     let (model, stepper, poses) = prepare(scene);
     let keep = Keep::default();
     let outcomes = run_grasps(&model, stepper.as_ref(), &poses, threads, &keep).unwrap();
@@ -71,8 +71,11 @@ fn hash(frames: &[(usize, Frame)]) -> blake3::Hash {
 const TWO: &str =
     "grasps: List([(position: (0, 0, -0.1)), (position: (0.001, 0.002, -0.1), rotation: RpyDeg((0, 0, 80)))])";
 
+/// Outcomes of grasps, and their frames with the number of the grasp.
+type Run = (Vec<Outcome>, Vec<(usize, Frame)>);
+
 /// Outcomes and frames of both grasps of [`TWO`] at friction 0.8 on one thread, shared by tests.
-static OF_TWO: LazyLock<(Vec<Outcome>, Vec<(usize, Frame)>)> = LazyLock::new(|| run(&scene("friction: 0.8", TWO), 1));
+static OF_TWO: LazyLock<Run> = LazyLock::new(|| run(&scene("friction: 0.8", TWO), 1));
 
 #[test]
 fn no_two_systems_touch_the_same_data_in_no_order() {

@@ -5,7 +5,7 @@ use crate::autodiff::ops::{Activation, layer_norm, linear};
 use crate::autodiff::tensor::{Matrix, Real, Tape, row};
 use dfdx::prelude::{Axis, BroadcastTo, HasShape, ReshapeTo};
 
-/// LinearLayer layer `x W + b`, or `x W`.
+/// Linear layer `x W + b`, or `x W`.
 #[derive(Debug, Clone, Copy)]
 pub struct LinearLayer {
     weight: ParameterId,
