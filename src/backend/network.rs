@@ -353,7 +353,7 @@ fn write_state(
         let force: DVec3 = pad.contact.iter().sum();
         let arms = rest.iter().zip(&pad.displacement).map(|(x, u)| *x + *u);
         let torque: DVec3 = arms.zip(&pad.contact).map(|(x, f)| x.cross(*f)).sum();
-        wrench.0 = Wrench { force, torque }.rotated(axes(finger.0 as usize));
+        wrench.0 = Wrench { force, torque }.rotated(|v| axes(finger.0 as usize) * v);
     }
     if model.free {
         pose.0 = object_pose(model, touch, pads);

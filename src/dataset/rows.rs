@@ -67,8 +67,7 @@ impl Encoder {
             rows.singles(RowName::Displacement, 3 * s.nodes * at, vectors(&pad.displacement));
             rows.singles(RowName::ContactForce, 3 * s.nodes * at, vectors(&pad.contact_force));
             rows.singles(RowName::VonMises, s.nodes * at, pad.von_mises_node.iter().copied());
-            let wrench = vectors(&[pad.wrench.force, pad.wrench.torque]);
-            rows.doubles(RowName::Wrench, 6 * at, wrench);
+            rows.doubles(RowName::Wrench, 6 * at, pad.wrench.rotated(|v| to_pad * v).row());
             rows.doubles(RowName::Travel, at, [frame.travel[i]]);
             let carried = pad.rigid_translation(&finger.body.rest);
             rows.doubles(RowName::FingerPosition, at, [carried.dot(finger.placement.closing)]);

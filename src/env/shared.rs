@@ -122,8 +122,7 @@ impl EnvShared {
 
     /// Returns the point midway between the pads, hand frame, m.
     pub fn center(&self) -> DVec3 {
-        let fingers = &self.kinds[0].variants[0].model.fingers;
-        fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / fingers.len() as f64
+        self.kinds[0].variants[0].model.midpoint_between_pads()
     }
 
     /// Returns the total number of observed values.

@@ -1,6 +1,6 @@
 //! Wrench: a force and a torque.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign, Mul};
 
@@ -17,9 +17,9 @@ impl Wrench {
     /// Wrench without force and torque.
     pub const ZERO: Self = Self { force: DVec3::ZERO, torque: DVec3::ZERO };
 
-    /// Returns the wrench in the axes to which `rotation` rotates.
-    pub fn rotated(self, rotation: DMat3) -> Self {
-        Self { force: rotation * self.force, torque: rotation * self.torque }
+    /// Returns the wrench in other axes: `rotate` is applied to force and torque.
+    pub fn rotated(self, rotate: impl Fn(DVec3) -> DVec3) -> Self {
+        Self { force: rotate(self.force), torque: rotate(self.torque) }
     }
 
     /// Returns force and torque as six numbers.

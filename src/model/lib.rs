@@ -253,6 +253,12 @@ impl Model {
         })
     }
 
+    /// Returns the midpoint between the pads at zero travel, m, hand frame; the origin without fingers.
+    pub fn midpoint_between_pads(&self) -> DVec3 {
+        let origins = self.fingers.iter().map(|finger| finger.placement.origin);
+        origins.sum::<DVec3>() / self.fingers.len().max(1) as f64
+    }
+
     /// Returns the thickness of the thinnest pad, m; zero without fingers.
     pub fn thickness(&self) -> f64 {
         min_thickness(&self.fingers).unwrap_or(0.0)

@@ -111,11 +111,11 @@ impl GraspArrays {
             self.von_mises_node.extend(&pad.von_mises_node);
             self.von_mises_element.extend(&pad.von_mises_element);
             self.gap.extend(&pad.gap);
-            extend(&mut self.wrench, &[pad.wrench.force, pad.wrench.torque]);
+            self.wrench.extend(pad.wrench.row());
         }
         let (p, q) = (frame.object_position, frame.object_rotation);
         self.object_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);
-        extend(&mut self.object_load, &[frame.object_load.force, frame.object_load.torque]);
+        self.object_load.extend(frame.object_load.row());
         if let Some(m) = &frame.moving {
             let (p, q) = (m.hand_position, m.hand_rotation);
             self.hand_pose.extend([p.x, p.y, p.z, q.w, q.x, q.y, q.z]);

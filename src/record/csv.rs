@@ -84,8 +84,7 @@ fn row(frame: &Frame) -> Vec<String> {
     numbers.extend(frame.object_position.to_array());
     numbers.extend([q.w, q.x, q.y, q.z]);
     for pad in &frame.pads {
-        numbers.extend(pad.wrench.force.to_array());
-        numbers.extend(pad.wrench.torque.to_array());
+        numbers.extend(pad.wrench.row());
         numbers.push(pad.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
         // NaN gives an empty cell if stress is not recorded.
         numbers.push(pad.von_mises_node.iter().copied().reduce(f64::max).unwrap_or(f64::NAN));

@@ -128,7 +128,7 @@ impl GraspSolver {
         let first = model.contact_force().min(most);
         self.apply_weight_fraction(0.0);
         self.path.tolerance = self.tolerance(model, first);
-        self.progress.start = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
+        self.progress.start = self.path.state.pose();
         self.approach_object(model).map_err(|reason| LevelFailure::Final(EarlyTermination::fault(reason)))?;
         self.condense(model).map_err(stuck)?;
         self.path.newton.object_fixed = model.free;

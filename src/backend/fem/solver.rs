@@ -159,7 +159,7 @@ impl GraspSolver {
     /// # Errors
     /// Fails with the reason if a pad overlaps the object in the open hand, or a finger does not meet the object.
     pub(crate) fn approach_object(&mut self, model: &Model) -> std::result::Result<(), String> {
-        let pose = Pose { position: self.path.state.position, rotation: self.path.state.rotation };
+        let pose = self.path.state.pose();
         let clearance = 0.5 * model.offset;
         let state = &mut self.path.state;
         for i in 0..model.fingers.len() {

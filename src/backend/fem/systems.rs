@@ -4,7 +4,7 @@ use super::dynamics::systems::{advance_time, measure_ground, measure_motion};
 use super::solver::GraspSolver;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
-use geometry::{Pose, Wrench};
+use geometry::Wrench;
 use glam::DVec3;
 use mech::path::continuation::MethodCounts;
 use mech::potential::edge::{EdgeReading, EdgeState};
@@ -139,7 +139,7 @@ pub fn write_state(
     for (finger, mut travel) in &mut fingers {
         travel.0 = state.travel[finger.0 as usize];
     }
-    pose.0 = Pose { position: state.position, rotation: state.rotation };
+    pose.0 = state.pose();
 }
 
 /// Contact edges of every finger that are not open at the level just reached, in order.

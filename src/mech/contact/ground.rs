@@ -10,7 +10,7 @@ use crate::potential::term::{Assembly, ObjectTerm};
 use crate::potential::time_step::TimeStep;
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
-use geometry::Pose;
+use geometry::{Pose, Wrench};
 use glam::{DMat3, DVec3};
 use std::iter;
 use std::sync::Arc;
@@ -58,9 +58,9 @@ impl GroundContact {
         self.pool.near()
     }
 
-    /// Force of the ground on the object, N, and its torque about `center` (hand frame, m), N m; both in hand axes.
-    pub fn wrench(&self, view: &ObjectView, center: DVec3) -> (DVec3, DVec3) {
-        let mut sum = (DVec3::ZERO, DVec3::ZERO);
+    /// Force of the ground on the object, and its torque about `center` (hand frame, m), hand axes.
+    pub fn wrench(&self, view: &ObjectView, center: DVec3) -> Wrench {
+        let mut sum = Wrench::ZERO;
         for (i, v) in self.vertices.iter().enumerate() {
             let e = self.pool.edge(i);
             if e.pressure <= 0.0 {
@@ -68,8 +68,8 @@ impl GroundContact {
             }
             // The edge holds the force on the ground.
             let force = -(e.normal * e.pressure + e.traction);
-            sum.0 += force;
-            sum.1 += (view.position + view.rotation * *v - center).cross(force);
+            sum.force += force;
+            sum.torque += (view.position + view.rotation * *v - center).cross(force);
         }
         sum
     }

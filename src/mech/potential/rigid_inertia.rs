@@ -7,8 +7,8 @@ use super::term::{Assembly, ObjectTerm};
 use super::time_step::TimeStep;
 use base::error::Result;
 use base::saved_state::{StateReader, StateWriter};
-use geometry::Pose;
 use geometry::shape::MassProperties;
+use geometry::{Pose, Wrench};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -119,9 +119,9 @@ impl RigidInertia {
         (self.state.velocity * self.mass, self.state.momentum)
     }
 
-    /// Forces of inertia, N and N m, world axes: minus the rates of the momenta over the last accepted step.
-    pub fn inertial_wrench(&self) -> (DVec3, DVec3) {
-        (self.rate.0 * -self.mass, -self.rate.1)
+    /// Forces of inertia about the centre of mass, world axes: minus the rates of the momenta over the last accepted step.
+    pub fn inertial_wrench(&self) -> Wrench {
+        Wrench { force: self.rate.0 * -self.mass, torque: -self.rate.1 }
     }
 
     /// Weight, N, world axes.

@@ -2,6 +2,7 @@
 
 use super::stencil::Stencil;
 use super::time_step::TimeStep;
+use geometry::Pose;
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -21,6 +22,13 @@ pub struct State {
     pub position: DVec3,
     /// Object orientation in the hand frame.
     pub rotation: DQuat,
+}
+
+impl State {
+    /// Returns the pose of the object in the hand frame.
+    pub fn pose(&self) -> Pose {
+        Pose { position: self.position, rotation: self.rotation }
+    }
 }
 
 /// Layout of the rigid unknowns: which travels are unknown, and whether the object's pose is.

@@ -23,8 +23,7 @@ impl SensorModel for PadWrench {
     fn write(&self, now: &SensorInput, out: &mut [f32]) {
         for ((pad, finger), out) in now.frame.pads.iter().zip(now.fingers).zip(out.chunks_exact_mut(6)) {
             let axes = finger.placement.rotation.transpose();
-            let (force, torque) = (axes * pad.wrench.force, axes * pad.wrench.torque);
-            out.iter_mut().zip(force.to_array().into_iter().chain(torque.to_array())).for_each(|(o, v)| *o = v as f32);
+            out.iter_mut().zip(pad.wrench.rotated(|v| axes * v).row()).for_each(|(o, v)| *o = v as f32);
         }
     }
 }

@@ -109,12 +109,6 @@ pub fn values<E: Real, T: Tape<E>>(x: &Matrix<E, T>) -> Vec<E> {
     out
 }
 
-/// Separates tensors of a pass from their tape.
-pub fn split<E: Real, T: Tape<E>>(all: Vec<Matrix<E, T>>) -> (Vec<Matrix<E>>, T) {
-    let (own, tapes): (Vec<_>, Vec<T>) = all.into_iter().map(SplitTape::split_tape).unzip();
-    (own, tapes.into_iter().reduce(Merge::merge).unwrap_or_default())
-}
-
 /// Gradients of a backward pass.
 pub struct Grads<'a, E: Real>(&'a mut Gradients<E, E::Device>);
 

@@ -183,8 +183,7 @@ impl ObjectBalance {
 
 /// Returns the force and moment of a force at a point.
 fn wrench(force: DVec3, at: DVec3) -> [f64; EQUATIONS] {
-    let moment = at.cross(force);
-    [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+    Wrench { force, torque: at.cross(force) }.row()
 }
 
 /// Returns the contributions of the pulls along x and y and the twist of a pad, along x and y, at a node with these

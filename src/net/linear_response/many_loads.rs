@@ -18,39 +18,34 @@ type Lanes<T> = [T; LANES];
 impl Compliance {
     /// Computes the displacements of the movable nodes (n, moving) under forces (n, forces).
     pub fn displacements<T: Number>(&self, force: &[T]) -> Vec<T> {
-        let (k, m) = (self.forces, self.displacement_count());
-        let n = force.len() / k.max(1);
-        let (x, mut y) = (interleaved(force, k), zeros(n, m));
-        Arch::new().dispatch(Times { pad: self, x: &x, y: &mut y });
-        deinterleaved(&y, m, n)
+        by_lanes(force, self.forces, self.displacement_count(), |x, y| Arch::new().dispatch(Times { pad: self, x, y }))
     }
 
     /// Applies the transpose of [`Self::displacements`]: (n, moving) to (n, forces).
     pub fn displacements_transposed<T: Number>(&self, moved: &[T]) -> Vec<T> {
         let (k, m) = (self.forces, self.displacement_count());
-        let n = moved.len() / m.max(1);
-        let (y, mut x) = (interleaved(moved, m), zeros(n, k));
-        Arch::new().dispatch(TimesTransposed { pad: self, y: &y, x: &mut x });
-        deinterleaved(&x, k, n)
+        by_lanes(moved, m, k, |y, x| Arch::new().dispatch(TimesTransposed { pad: self, y, x }))
     }
 
     /// Computes the deviatoric stress of all nodes (n, nodes * 5) from displacements of the movable nodes (n, moving).
     pub fn stresses<T: Number>(&self, moved: &[T]) -> Vec<T> {
-        let (m, s) = (self.displacement_count(), 5 * self.nodes);
-        let n = moved.len() / m.max(1);
-        let (u, mut sum) = (interleaved(moved, m), zeros(n, s));
-        Arch::new().dispatch(Deviate { pad: self, u: &u, s: &mut sum });
-        deinterleaved(&sum, s, n)
+        let (m, n) = (self.displacement_count(), 5 * self.nodes);
+        by_lanes(moved, m, n, |u, s| Arch::new().dispatch(Deviate { pad: self, u, s }))
     }
 
     /// Applies the transpose of [`Self::stresses`]: (n, nodes * 5) to (n, moving).
     pub fn stresses_transposed<T: Number>(&self, stress: &[T]) -> Vec<T> {
-        let (m, s) = (self.displacement_count(), 5 * self.nodes);
-        let n = stress.len() / s.max(1);
-        let (ds, mut sum) = (interleaved(stress, s), zeros(n, m));
-        Arch::new().dispatch(DeviateTransposed { pad: self, s: &ds, u: &mut sum });
-        deinterleaved(&sum, m, n)
+        let (m, n) = (self.displacement_count(), 5 * self.nodes);
+        by_lanes(stress, n, m, |s, u| Arch::new().dispatch(DeviateTransposed { pad: self, s, u }))
     }
+}
+
+/// Applies `kernel` to the rows of `x` (n, from), [`LANES`] at once: (n, to). The kernel adds to zeros.
+fn by_lanes<T: Number>(x: &[T], from: usize, to: usize, kernel: impl FnOnce(&[Lanes<T>], &mut [Lanes<T>])) -> Vec<T> {
+    let n = x.len() / from.max(1);
+    let mut y = zeros(n, to);
+    kernel(&interleaved(x, from), &mut y);
+    deinterleaved(&y, to, n)
 }
 
 /// Kernel from forces `x` to displacement `y`.

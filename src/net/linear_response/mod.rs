@@ -18,7 +18,6 @@ mod refined_pad;
 pub mod rigid_equilibrium;
 
 use geometry::Wrench;
-use glam::DVec3;
 use model::Model;
 
 /// Load on a grasp.
@@ -49,11 +48,6 @@ pub fn frame_loads(model: &Model) -> Vec<GraspLoad> {
     let push =
         |frame: usize| model.push.as_ref().map(|push| push.fraction_of(model.push_fraction(frame))).unwrap_or_default();
     model.levels.iter().enumerate().map(|(frame, force)| GraspLoad { force: *force, push: push(frame) }).collect()
-}
-
-/// Returns the midpoint between the pads at zero travel, m, hand frame.
-pub fn midpoint_between_pads(model: &Model) -> DVec3 {
-    model.fingers.iter().map(|f| f.placement.origin).sum::<DVec3>() / model.fingers.len() as f64
 }
 
 /// Returns the two of `rungs` (ascending) that enclose `force`, and its relative position between the lower and the

@@ -1,6 +1,5 @@
 //! Rigid motion of the object, measured at its point midway between the pads.
 
-use super::midpoint_between_pads;
 use geometry::Pose;
 use glam::{DMat3, DQuat, DVec3};
 use model::Model;
@@ -10,14 +9,14 @@ use model::Model;
 pub fn rigid_motion(model: &Model, start: &Pose, now: &Pose, pad: DMat3) -> (DVec3, DVec3) {
     let turn = (now.rotation * start.rotation.inverse()).normalize();
     let turn = if turn.w < 0.0 { -turn } else { turn };
-    let point = midpoint_between_pads(model);
+    let point = model.midpoint_between_pads();
     let shift = turn * (point - start.position) + now.position - point;
     (pad.transpose() * shift, pad.transpose() * turn.to_scaled_axis())
 }
 
 /// Returns the pose after such a motion from `start`; shift (m) and rotation vector in hand axes.
 pub fn pose_after_motion(model: &Model, start: &Pose, shift: DVec3, turn: DVec3) -> Pose {
-    let point = midpoint_between_pads(model);
+    let point = model.midpoint_between_pads();
     let turn = DQuat::from_scaled_axis(turn);
     Pose { position: point + shift - turn * (point - start.position), rotation: (turn * start.rotation).normalize() }
 }

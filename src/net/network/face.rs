@@ -75,7 +75,7 @@ struct Pools {
 impl Pools {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, latent: usize) -> Self {
         let [mean, bias] = ["mean", "bias"].map(|part| format!("{name}.{part}"));
-        let own = LinearLayer::named(maker, [&mean, &bias], (latent, latent), 0.5);
+        let own = LinearLayer::named(maker, [&mean, &bias], (latent, latent), 0.5, 0.0);
         let [near, other_mean, other_near] = ["near", "other_mean", "other_near"]
             .map(|part| LinearLayer::without_bias(maker, &format!("{name}.{part}"), (latent, latent), 0.5));
         Self { weights: [own, near, other_mean, other_near] }
@@ -126,7 +126,7 @@ impl FaceNetwork {
             last: LayerNorm::new(maker, "last.norm", h),
             pools: Pools::new(maker, "last.pool", h),
             node: [
-                LinearLayer::named(maker, ["node.latent", "node.bias"], (h, d), 1.0),
+                LinearLayer::named(maker, ["node.latent", "node.bias"], (h, d), 1.0, 0.0),
                 LinearLayer::without_bias(maker, "node.load", (NODE_LOAD.len(), d), 1.0),
                 LinearLayer::without_bias(maker, "node.pad_load", (PAD_LOAD.len(), d), 1.0),
             ],
@@ -139,7 +139,7 @@ impl FaceNetwork {
             factor: LinearLayer::new(maker, "factor", (d, depths), 0.01, 0.75),
             contact: LinearLayer::new(maker, "contact", (d, 3), 0.01, 0.0),
             pad: [
-                LinearLayer::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0),
+                LinearLayer::named(maker, ["pad.latent", "pad.bias"], (h, d), 1.0, 0.0),
                 LinearLayer::without_bias(maker, "pad.load", (PAD_LOAD.len(), d), 1.0),
             ],
             middle: LinearLayer::new(maker, "pad.middle", (d, d), 1.0, 0.0),

@@ -22,19 +22,19 @@ impl LinearLayer {
         gain: f64,
         bias: f32,
     ) -> Self {
-        let weight = Self::without_bias(maker, &format!("{name}.weight"), shape, gain);
-        Self { bias: Some(maker.row(&format!("{name}.bias"), shape.1, bias)), ..weight }
+        Self::named(maker, [&format!("{name}.weight"), &format!("{name}.bias")], shape, gain, bias)
     }
 
-    /// Creates the layer with the parameters `weight` and `bias`, which is zero at first.
+    /// Creates the layer as [`Self::new`] does, with the parameters `weight` and `bias`.
     pub fn named<E: Real>(
         maker: &mut ParameterBuilder<E>,
         [weight, bias]: [&str; 2],
         shape: (usize, usize),
         gain: f64,
+        start: f32,
     ) -> Self {
         let weight = Self::without_bias(maker, weight, shape, gain);
-        Self { bias: Some(maker.row(bias, shape.1, 0.0)), ..weight }
+        Self { bias: Some(maker.row(bias, shape.1, start)), ..weight }
     }
 
     /// Creates the layer with the weight `name` and no bias.

@@ -37,7 +37,7 @@ impl Mlp {
     fn new<E: Real>(maker: &mut ParameterBuilder<E>, name: &str, inputs: &[usize], h: usize) -> Self {
         let gain = 2.0 / inputs.len() as f64;
         let [first, bias] = ["input0", "bias"].map(|part| format!("{name}.{part}"));
-        let mut all = vec![LinearLayer::named(maker, [&first, &bias], (inputs[0], h), gain)];
+        let mut all = vec![LinearLayer::named(maker, [&first, &bias], (inputs[0], h), gain, 0.0)];
         let others = inputs.iter().enumerate().skip(1);
         all.extend(others.map(|(i, n)| LinearLayer::without_bias(maker, &format!("{name}.input{i}"), (*n, h), gain)));
         Self {

@@ -103,8 +103,7 @@ pub fn sensitivity(
     let pad = model.fingers.first().map_or(&none, |f| &f.topology);
     let points = Points::of(pad);
     let probe = FieldInterpolation::new(&points, pad);
-    let fingers = model.fingers.len().max(1) as f64;
-    let midpoint = model.fingers.iter().map(|finger| finger.placement.origin).sum::<DVec3>() / fingers;
+    let midpoint = model.midpoint_between_pads();
     let mut answers = vec![Vec::new(); grasps.len()];
     for change in CHANGES.into_iter().filter(|change| applies(*change, model)) {
         let changed = match change {

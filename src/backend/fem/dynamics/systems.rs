@@ -3,7 +3,6 @@
 use super::integrator::Integrator;
 use crate::fem::solver::GraspSolver;
 use bevy_ecs::prelude::*;
-use geometry::Wrench;
 use world::components::*;
 use world::schedule::{NextPhase, Phase, SharedModel, StepLoad, StepReport};
 
@@ -50,8 +49,7 @@ pub fn measure_motion(
         *velocity = ObjectVelocity { linear: inertia.motion().velocity, angular: inertia.spin() };
         let (linear, angular) = inertia.momenta();
         *momentum = ObjectMomentum { linear, angular };
-        let (force, torque) = inertia.inertial_wrench();
-        wrench.0 = Wrench { force: back * force, torque: back * torque };
+        wrench.0 = inertia.inertial_wrench().rotated(|v| back * v);
         if let Some(mut weight) = weight {
             weight.0 = back * inertia.weight();
         }
@@ -68,7 +66,7 @@ pub fn measure_ground(
     let (newton, state) = (&solver.path.newton, &solver.path.state);
     let Some(ground) = &newton.object.ground else { return };
     let center = state.position + state.rotation * shared.0.object.mass.center;
-    let (force, torque) = ground.wrench(&state.object_view(&newton.rigid), center);
-    object.iter_mut().for_each(|mut wrench| wrench.0 = Wrench { force, torque });
+    let on_object = ground.wrench(&state.object_view(&newton.rigid), center);
+    object.iter_mut().for_each(|mut wrench| wrench.0 = on_object);
     report.min_gap = report.min_gap.min(ground.min_gap());
 }

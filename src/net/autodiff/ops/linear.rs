@@ -2,8 +2,8 @@
 //! indices, for each of product, bias, sum and activation, and as many backward.
 
 use super::Activation;
-use crate::autodiff::tensor::{Matrix, Real, Tape, record, split, values};
-use dfdx::prelude::HasShape;
+use crate::autodiff::tensor::{Matrix, Real, Tape, record, values};
+use dfdx::prelude::{HasShape, Merge, SplitTape};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
@@ -23,12 +23,12 @@ pub fn linear<E: Real, T: Tape<E>>(
     x: Matrix<E, T>,
     w: &Matrix<E>,
     bias: Option<&Matrix<E>>,
-    mut terms: Vec<Matrix<E, T>>,
+    terms: Vec<Matrix<E, T>>,
     act: Activation,
 ) -> Matrix<E, T> {
-    terms.push(x);
-    let (mut terms, tape) = split(terms);
-    let Some(x) = terms.pop() else { unreachable!("x has just been pushed") };
+    let (x, tape) = x.split_tape();
+    let (terms, tapes): (Vec<_>, Vec<T>) = terms.into_iter().map(SplitTape::split_tape).unzip();
+    let tape = tapes.into_iter().fold(tape, Merge::merge);
     let ((n, k), m) = (*x.shape(), w.shape().1);
     assert!(
         w.shape().0 == k && terms.iter().all(|term| *term.shape() == (n, m)),

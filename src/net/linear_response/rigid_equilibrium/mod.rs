@@ -13,7 +13,7 @@ mod step;
 
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
-use crate::linear_response::{GraspLoad, enclosing_pair, midpoint_between_pads};
+use crate::linear_response::{GraspLoad, enclosing_pair};
 use geometry::{Pose, Wrench};
 use glam::{DMat3, DQuat, DVec3};
 use model::Model;
@@ -118,7 +118,7 @@ impl Equilibrium {
 impl RigidEquilibrium {
     /// Creates the grasp of `model` from first contact `touch`, and its path to the model's largest force.
     pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
-        let (t, midpoint) = (graph.thickness, midpoint_between_pads(model));
+        let (t, midpoint) = (graph.thickness, model.midpoint_between_pads());
         let unit = model.material.moduli().young * t.powi(2);
         let finger = |(finger, travel): (&model::part::FingerModel, &f64)| {
             let place = &finger.placement;
