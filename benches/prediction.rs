@@ -15,7 +15,6 @@ use tactus::net::features::GraspFeatures;
 use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::{DecodeRequest, FaceEngine};
-use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
@@ -57,10 +56,10 @@ fn stages() -> Result<Vec<Stage>> {
         return Err(Error::Start("the model is no face network".into()));
     };
     let engine = FaceEngine::new(sizes, &predictor.parameters, &predictor.card.normalisers);
-    let graph = predictor.graph_if_in_range(&model, true)?;
-    let touch = GeometricContact::find(&model, pose)?;
-    let features = GraspFeatures::new(&model, &graph, &touch);
-    let seen = predictor.encode_first_contact(&model, &graph, &touch);
+    let pads = predictor.pads_if_in_range(&model, true)?;
+    let touch = pads.first_contact(pose)?;
+    let features = GraspFeatures::new(&pads.model, &pads.graph, &touch);
+    let seen = predictor.encode_first_contact(&pads, &touch);
     let all = frame_loads(&model);
     let ramp = LoadInterpolation::new(&predictor, &seen, &all)?;
     // The choice of loads does not affect times.
@@ -69,9 +68,8 @@ fn stages() -> Result<Vec<Stage>> {
     let code = engine.encode(&features);
     let decoding = DecodeRequest { features: &features, code: &code, loads: &loads };
 
-    let mut kept = None;
-    let find = best(|| drop(black_box(GeometricContact::find_in(&mut kept, &model, pose))));
-    let describe = best(|| drop(black_box(GraspFeatures::new(&model, &graph, &touch))));
+    let find = best(|| drop(black_box(pads.first_contact(pose))));
+    let describe = best(|| drop(black_box(GraspFeatures::new(&pads.model, &pads.graph, &touch))));
     let encode = best(|| drop(black_box(engine.encode(&features))));
     // Alternately, because a stage is computed from their differences.
     let [mut balance, mut decode, mut answer] = [f64::INFINITY; 3];

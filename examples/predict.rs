@@ -7,7 +7,6 @@ use tactus::model::grasp::grasp_poses;
 use tactus::net::DEFAULT_MODEL;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::linear_response::GraspLoad;
-use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::scene::load;
 
 fn main() -> Result<()> {
@@ -16,9 +15,9 @@ fn main() -> Result<()> {
     let model = Model::build(&scene)?;
     // Refuses what lies outside the range of its training, and says why.
     let network = Predictor::open(Path::new(DEFAULT_MODEL))?;
-    let graph = network.graph_if_in_range(&model, false)?;
+    let pads = network.pads_if_in_range(&model, false)?;
     // Once per grasp: where the pads first touch, and the messages that pass on them.
-    let encoded = network.encode_first_contact(&model, &graph, &GeometricContact::find(&model, pose)?);
+    let encoded = network.encode_first_contact(&pads, &pads.first_contact(pose)?);
     // Then any number of forces, per finger.
     let forces = [1.0, 2.5, 5.0, 7.5];
     for (force, state) in forces.iter().zip(network.states(&encoded, &forces.map(GraspLoad::from))?) {

@@ -14,7 +14,7 @@ use net::infer::load_interpolation::LoadInterpolation;
 use net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use net::linear_response::GraspLoad;
 use net::linear_response::first_contact::GeometricContact;
-use net::linear_response::pad_graph::PadGraph;
+use net::linear_response::canonical_pads::CanonicalPads;
 use rayon::prelude::*;
 use record::ErrorBound;
 use std::path::{Path, PathBuf};
@@ -68,11 +68,10 @@ impl NetworkStepper {
     /// is not finite.
     pub fn predict_all_loads(&self, world: &mut World) -> Result<f64> {
         let missing = || Error::Start("the world was not prepared for the network".into());
-        let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let pose = world.get_resource::<GraspPose>().ok_or_else(missing)?.0;
-        let contact = GeometricContact::find(&model, pose)?;
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
-        prediction.encode(&model, contact);
+        let contact = prediction.canonical.first_contact(pose)?;
+        prediction.encode(contact);
         Ok(prediction.predict_all_loads()?.map_or(f64::INFINITY, |error| error.displacement))
     }
 
@@ -103,8 +102,8 @@ impl Stepper for NetworkStepper {
         self.predictor.notices(model, self.extrapolate)
     }
 
-    fn check_support(&self, model: &Model) -> Result<()> {
-        self.predictor.graph_if_in_range(model, self.extrapolate).map(drop)
+    fn check_support(&self, model: &Arc<Model>) -> Result<()> {
+        self.predictor.pads_if_in_range(model, self.extrapolate).map(drop)
     }
 
     fn prepare(&self, world: &mut World) -> Result<()> {
@@ -113,12 +112,12 @@ impl Stepper for NetworkStepper {
         let model = &shared.0;
         // An agent may command any force.
         let admit =
-            if model.needs.task { Predictor::graph_if_in_range } else { Predictor::graph_if_some_force_in_range };
-        let graph = admit(&self.predictor, model, self.extrapolate)?;
+            if model.needs.task { Predictor::pads_if_in_range } else { Predictor::pads_if_some_force_in_range };
+        let canonical = admit(&self.predictor, model, self.extrapolate)?;
         let (frames, loads) = self.predictor.answerable_loads(model, self.extrapolate).into_iter().unzip();
         world.insert_resource(Prediction {
             predictor: self.predictor.clone(),
-            graph,
+            canonical,
             frames,
             loads,
             grasp: None,
@@ -142,10 +141,9 @@ impl Stepper for NetworkStepper {
 
     fn restore_state(&self, world: &mut World, history: &mut StateReader) -> Result<()> {
         let missing = || Error::Start("the world was not prepared for the network".into());
-        let model = world.get_resource::<SharedModel>().ok_or_else(missing)?.0.clone();
         let mut prediction = world.get_resource_mut::<Prediction>().ok_or_else(missing)?;
         if let Some(contact) = history.read::<Option<GeometricContact>>()? {
-            prediction.encode(&model, contact);
+            prediction.encode(contact);
         }
         let ahead: bool = history.read()?;
         if ahead && prediction.ahead.is_none() {
@@ -159,7 +157,7 @@ impl Stepper for NetworkStepper {
 #[derive(Resource)]
 pub struct Prediction {
     predictor: Arc<Predictor>,
-    graph: Arc<PadGraph>,
+    canonical: CanonicalPads,
     /// Numbers of the frames that the network can predict, and their loads.
     frames: Vec<usize>,
     loads: Vec<GraspLoad>,
@@ -175,11 +173,11 @@ pub struct Prediction {
 
 impl Prediction {
     /// Encodes the grasp at first contact, unless this contact is encoded already.
-    fn encode(&mut self, model: &Arc<Model>, contact: GeometricContact) {
+    fn encode(&mut self, contact: GeometricContact) {
         if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
             return;
         }
-        let seen = self.predictor.encode_first_contact(model, &self.graph, &contact).without_unneeded_stress();
+        let seen = self.predictor.encode_first_contact(&self.canonical, &contact).without_unneeded_stress();
         self.grasp = Some((contact, seen));
         (self.ahead, self.interpolation) = (None, OnceLock::new());
     }
@@ -221,22 +219,30 @@ fn register(schedule: &mut Schedule, needs: &Needs) {
     }
 }
 
-/// Encodes the grasp once, at first contact, while travel and pose are still those of `close_to_contact`.
+/// Encodes the grasp once, at first contact: travel and pose become those of the canonical pads.
 fn encode_grasp(
     phase: Res<Phase>,
-    shared: Res<SharedModel>,
+    grasp: Res<GraspPose>,
     mut prediction: ResMut<Prediction>,
     mut timings: ResMut<Timings>,
-    fingers: Query<(&FingerIndex, &FingerTravel)>,
-    pose: Single<&ObjectPose>,
+    mut next: ResMut<NextPhase>,
+    mut fingers: Query<(&FingerIndex, &mut FingerTravel, &mut FirstContact)>,
+    mut pose: Single<&mut ObjectPose>,
 ) {
     if *phase != (Phase::Ramp { frame: 0 }) {
         return;
     }
     let clock = Instant::now();
-    let travel: Vec<(u32, f64)> = fingers.iter().map(|(f, t)| (f.0, t.0)).collect();
-    let contact = GeometricContact::new(&shared.0, pose.0, &travel);
-    prediction.encode(&shared.0, contact);
+    let contact = match prediction.canonical.first_contact(grasp.0) {
+        Ok(contact) => contact,
+        Err(error) => return next.request(Phase::Infeasible { reason: error.to_string() }),
+    };
+    pose.0 = contact.object;
+    for (finger, mut now, mut first) in &mut fingers {
+        let travel = contact.travel[finger.0 as usize];
+        (now.0, first.0) = (travel, travel);
+    }
+    prediction.encode(contact);
     timings.stages.insert("encode", clock.elapsed().as_secs_f64());
 }
 
@@ -366,7 +372,6 @@ const SMALLEST_SEARCH_RADIUS: f64 = 1e-9;
 
 /// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
-    prediction: Res<Prediction>,
     shared: Res<SharedModel>,
     mut report: ResMut<StepReport>,
     nodes: Query<(&FingerIndex, &Position)>,
@@ -382,7 +387,8 @@ fn measure_shape(
     let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
     let worst = |(finger, carried): &(usize, DVec3)| {
         let own = &x[*finger];
-        let gap = prediction.graph.face.iter().fold(f64::INFINITY, |least, node| {
+        let face = model.fingers[*finger].topology.sensing.as_flattened();
+        let gap = face.iter().fold(f64::INFINITY, |least, node| {
             let at = inverse * (own[*node as usize] + *carried - object.0.position);
             // Nodes farther away than the smallest gap so far need no distance.
             let closer = model.object.distance.closest(at, least.max(SMALLEST_SEARCH_RADIUS));

@@ -2,9 +2,7 @@
 
 use super::density::{coarser, describe, nodes};
 use base::error::{Error, Result};
-use model::{Model, accuracy};
-use net::linear_response::pad_graph::mesh_hash;
-use net::network::card::StoredModel;
+use model::accuracy;
 use scene::leaf::Positive;
 use scene::{Condensed, Element, Fem, Field, Fingers, Gnn, Loading, Pads, Scene, Solver, StepperChoice};
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -118,21 +116,11 @@ impl Sweep {
         Ok(self.made.into_iter().map(|(c, _)| c).chain(networks).collect())
     }
 
-    /// Returns the configuration of a network on the pads of the sweep for which it was trained. If there are none, it
-    /// uses the scene's pads, on which running the network reports the reason.
+    /// Returns the configuration of a network on the pads of the scene.
     fn network(&self, folder: &Path) -> Result<Configuration> {
-        let trained = StoredModel::read(folder)?.card.range.pad;
-        let mut scene = Scene { stepper: StepperChoice::Gnn(Gnn::new(folder)), ..self.scene.clone() };
-        for factor in self.cells(&SETTINGS[0]) {
-            let mut other = scene.clone();
-            other.gripper.pads = coarser(&self.scene.gripper.pads, *factor)?;
-            if mesh_hash(&Model::build(&other)?.finger()?.topology) == trained {
-                scene = other;
-                break;
-            }
-        }
+        let scene = Scene { stepper: StepperChoice::Gnn(Gnn::new(folder)), ..self.scene.clone() };
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
-        let label = format!("network {name} {}", describe(&scene.gripper.pads));
+        let label = format!("network {name}");
         // Network scenes have the default element.
         let nodes = nodes(&scene.gripper.pads, Element::default())?;
         Ok(Configuration { label, scene, nodes, contender: true })

@@ -134,12 +134,7 @@ fn check_scene(scene: &Scene) -> Result<SceneFindings> {
     let environment = Environment::new(&model, stepper.as_ref(), *first)?;
     let systems = environment.systems().into_iter().map(|(set, names)| (format!("{set:?}").to_lowercase(), names));
     let tried = &poses[..poses.len().min(MAX_GRASPS)];
-    // Each thread reuses one environment for all its grasps.
-    let close = |poses: &[Pose]| {
-        let mut kept = None;
-        poses.iter().map(|pose| GeometricContact::find_in(&mut kept, &model, *pose)).collect::<Vec<_>>()
-    };
-    let contacts: Vec<_> = tried.par_chunks(tried.len().div_ceil(machine_threads())).flat_map_iter(close).collect();
+    let contacts: Vec<_> = tried.par_iter().map(|pose| GeometricContact::find(&model, *pose)).collect();
     let expected = ExpectedTime::of(scene, &model, poses.len(), machine_threads());
     let (mut unknowns, mut notices, mut problems) = (model.unknowns(), grasps.notices, Vec::new());
     if let Some((grasp, contact)) = contacts.iter().enumerate().find_map(|(i, c)| Some((i, c.as_ref().ok()?))) {

@@ -149,7 +149,7 @@ fn object(args: &PredictArgs, predictor: &Predictor, named: &NamedScene, threads
     let poses = grasp_poses(&named.scene)?;
     let extrapolate = args.extrapolate || named.scene.stepper.extrapolates();
     // The linear response of new pads is computed here, outside the measured time of a grasp.
-    predictor.graph_if_some_force_in_range(&model, extrapolate)?;
+    predictor.pads_if_some_force_in_range(&model, extrapolate)?;
     let loads: Vec<GraspLoad> =
         predictor.answerable_loads(&model, extrapolate).into_iter().map(|(_, load)| load).collect();
     let clock = Instant::now();

@@ -156,7 +156,7 @@ impl Campaign {
     /// Checks that the backend supports the first object, before anything is written.
     fn admit(&self) -> Result<()> {
         let Some(PlannedObject { named, .. }) = self.objects.first() else { return Ok(()) };
-        (self.choose)(&named.scene)?.check_support(&*Model::build(&named.scene)?)
+        (self.choose)(&named.scene)?.check_support(&Model::build(&named.scene)?)
     }
 
     /// Runs the unfinished grasps on `threads` threads, and completes the data set.

@@ -20,6 +20,7 @@ pub mod check;
 pub mod csv;
 pub mod error_bound;
 pub mod error_norm;
+pub mod field_transfer;
 pub mod frame;
 pub mod meshes;
 pub mod names;
@@ -33,6 +34,7 @@ pub mod tactile;
 pub mod vtu;
 
 pub use error_bound::ErrorBound;
+pub use field_transfer::FieldTransfer;
 pub use frame::{DynamicState, ElementNodes, Frame, PadFrame, PadTopology, pad_name};
 pub use report::{ExpectationReport, GraspSummary, PadReport, RunReport};
 pub use status::Status;

@@ -13,6 +13,7 @@ use bevy_ecs::schedule::Schedule;
 use bevy_ecs::world::World;
 use model::Model;
 use scene::Scene;
+use std::sync::Arc;
 
 /// Backend.
 pub trait Stepper: std::fmt::Debug + Send + Sync {
@@ -37,7 +38,7 @@ pub trait Stepper: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// Fails if it does not; the message states the reason.
-    fn check_support(&self, _model: &Model) -> Result<()> {
+    fn check_support(&self, _model: &Arc<Model>) -> Result<()> {
         Ok(())
     }
     /// Returns true if the systems that it registers depend on the grasp: a world is not reused then.

@@ -13,8 +13,6 @@ use tactus::model::Model;
 use tactus::model::part::FingerModel;
 use tactus::net::infer::force_interpolation::ForceInterpolation;
 use tactus::net::infer::predict::Predictor;
-use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::record::Frame;
 use tactus::scene::from_ron;
 use tactus::world::components::*;
@@ -128,10 +126,10 @@ fn numbering_the_nodes_otherwise_numbers_the_answer_otherwise() {
         topology: Arc::new(renumbered),
         ..finger.clone()
     };
-    let touch = GeometricContact::find(&model, pose).unwrap();
     let answer = |finger: &FingerModel| {
-        let graph = Arc::new(PadGraph::new(finger, Layout::Face { depths: 3 }).unwrap());
-        predictor.at(&predictor.encode_first_contact(&model, &graph, &touch), 0.5).unwrap()
+        let fingers = model.fingers.iter().map(|own| finger.placed(own.placement)).collect();
+        let pads = predictor.canonical_pads(&Arc::new(Model { fingers, ..(*model).clone() })).unwrap();
+        predictor.at(&predictor.encode_first_contact(&pads, &pads.first_contact(pose).unwrap()), 0.5).unwrap()
     };
     let (a, b) = (answer(finger), answer(&other));
     let longest = a.pads[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
@@ -151,17 +149,19 @@ fn outside_the_trained_range_it_refuses_and_says_why() {
     let refusal = |from: &str, to: &str| {
         assert!(text.contains(from), "the scene has {from}");
         let model = Model::build(&from_ron(&text.replace(from, to)).unwrap()).unwrap();
-        predictor.graph_if_in_range(&model, false).unwrap_err().to_string()
+        predictor.pads_if_in_range(&model, false).unwrap_err().to_string()
     };
-    assert!(predictor.graph_if_in_range(&ball(made).0, false).is_ok());
+    assert!(predictor.pads_if_in_range(&ball(made).0, false).is_ok());
     assert!(refusal("force: 2.0", "force: 9.0").contains("outside the training range"));
     assert!(refusal("\"gelsight_mini\"", "\"tacgrasp\"").contains("nu"));
-    assert!(refusal("spacing: 0.008", "spacing: 0.005").contains("another mesh"));
+    assert!(refusal("shape: Flat", "shape: Domed").contains("the height of the dome of its pads is 0.31"));
+    let finer = Model::build(&from_ron(&text.replace("spacing: 0.008", "spacing: 0.005")).unwrap()).unwrap();
+    assert!(predictor.pads_if_in_range(&finer, false).is_ok(), "the mesh is no part of the range");
 }
 
-/// The pads of the scene are coarser than those that the network was trained for, on which the bench puts it.
+/// The pads of the scene are coarser than those of the network's data.
 #[test]
-fn a_bench_sets_the_network_on_its_own_pads_against_finite_elements() {
+fn a_bench_compares_the_network_with_finite_elements_on_the_pads_of_the_scene() {
     let made = made();
     let coarser = made.tiny.out("coarser.ron");
     std::fs::write(&coarser, TINY.replace("ELEMENT", "Quadratic").replace("spacing: 8e-3", "spacing: 11.3e-3"))
@@ -177,7 +177,7 @@ fn a_bench_sets_the_network_on_its_own_pads_against_finite_elements() {
         let found = points.iter().find(|p| p["label"].as_str().is_some_and(|l| l.contains(label)));
         found.unwrap_or_else(|| panic!("no {label}"))["nodes"].as_u64().unwrap()
     };
-    assert_eq!(nodes("network model 7.99 mm"), nodes("quadratic 7.99 mm"), "not on the pads of the scene");
+    assert_eq!(nodes("network model"), nodes("quadratic 11.30 mm"), "not on the pads of the scene");
     assert!(nodes("quadratic 11.30 mm") < nodes("quadratic 7.99 mm"));
     let network = points.iter().find(|p| p["backend"] == "gnn").unwrap();
     assert!(network["displacement_error"].as_f64().is_some_and(|e| e > 0.0), "{network}");
@@ -200,11 +200,8 @@ fn a_ladder_of_forces_answers_an_agent_as_the_network_does() {
     let made = made();
     let predictor = Predictor::open(&made.model).unwrap();
     let (model, pose) = ball(made);
-    let seen = predictor.encode_first_contact(
-        &model,
-        &predictor.graph(&model).unwrap(),
-        &GeometricContact::find(&model, pose).unwrap(),
-    );
+    let pads = predictor.canonical_pads(&model).unwrap();
+    let seen = predictor.encode_first_contact(&pads, &pads.first_contact(pose).unwrap());
     let high = predictor.card.range.force[1] * seen.unit_force();
     let low = high / 7.0;
     let ladder = ForceInterpolation::new(&predictor, &seen, low, high).unwrap();

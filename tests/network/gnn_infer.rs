@@ -9,7 +9,6 @@ use tactus::geometry::Pose;
 use tactus::model::Model;
 use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
-use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::record::Frame;
 use tactus::scene::from_ron;
@@ -42,8 +41,8 @@ const FORCES: [f64; 7] = [0.5, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Encodes the grasp of the ball with `predictor`.
 fn seen(predictor: &Predictor) -> EncodedGrasp {
     let (model, pose) = ball(made());
-    let touch = GeometricContact::find(&model, pose).unwrap();
-    predictor.encode_first_contact(&model, &predictor.graph_if_in_range(&model, false).unwrap(), &touch)
+    let pads = predictor.pads_if_in_range(&model, false).unwrap();
+    predictor.encode_first_contact(&pads, &pads.first_contact(pose).unwrap())
 }
 
 fn answer(predictor: &Predictor) -> Vec<GraspState> {
@@ -147,8 +146,8 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     let truth = frames.0.into_inner().unwrap();
 
     let predictor = Predictor::open(Path::new("universe")).unwrap();
-    let touch = GeometricContact::find(&model, poses[0].1).unwrap();
-    let seen = predictor.encode_first_contact(&model, &predictor.graph_if_in_range(&model, false).unwrap(), &touch);
+    let pads = predictor.pads_if_in_range(&model, false).unwrap();
+    let seen = predictor.encode_first_contact(&pads, &pads.first_contact(poses[0].1).unwrap());
     let loads = frame_loads(&model);
     let ramp = LoadInterpolation::new(&predictor, &seen, &loads).unwrap();
     assert!(ramp.decoded() <= 20, "{} of {} loads are decoded", ramp.decoded(), loads.len());

@@ -3,7 +3,6 @@
 use crate::gnn_made::{PAPER, SPEC, command, made, ron, samples, set, train};
 use dfdx::prelude::AsArray;
 use std::process::Command;
-use std::sync::Arc;
 use tactus::base::random::Random;
 use tactus::geometry::Pose;
 use tactus::model::Model;
@@ -11,8 +10,8 @@ use tactus::net::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, gradients,
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{GraspFeatures, Parity};
 use tactus::net::linear_response::GraspLoad;
-use tactus::net::linear_response::first_contact::GeometricContact;
-use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
+use tactus::net::linear_response::canonical_pads::CanonicalPadList;
+use tactus::net::linear_response::pad_graph::Layout;
 use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::Spec;
 use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
@@ -110,13 +109,13 @@ fn training_and_inference_see_the_same_bits() {
     let (file, layout) = (&set.objects[0], Layout::Face { depths: 3 });
     let number = file.reached().next().unwrap();
     let stored = model_of(file).unwrap();
-    let graph = Arc::new(PadGraph::new(&stored.fingers[0], layout).unwrap());
-    let trained = Sample::read(file, &stored, &graph, number, 10).unwrap().features;
+    let canonical = |model| CanonicalPadList::new(layout).of(model).unwrap();
+    let trained = Sample::read(file, &canonical(&stored), number, 10).unwrap().features;
     // Inputs as in a run: the scene from text, the pose from the file, first contact computed again.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
     let pose = Pose::from_row(&file.grasp(number).unwrap().grasp_pose);
-    let graph = Arc::new(PadGraph::new(&model.fingers[0], layout).unwrap());
-    let run = GraspFeatures::new(&model, &graph, &GeometricContact::find(&model, pose).unwrap());
+    let pads = canonical(&model);
+    let run = GraspFeatures::new(&pads.model, &pads.graph, &pads.first_contact(pose).unwrap());
     let bits = |v: &[f32]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&trained.node), bits(&run.node));
     assert_eq!(bits(&trained.edge), bits(&run.edge));
@@ -144,9 +143,9 @@ fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
     for spec in [SPEC, PAPER] {
         let (network, parameters) = build::<f32>(&ron(spec).network, Some(5));
         let norms = data::normalisers(&samples(made, network.layout()), &[]);
-        let graph = Arc::new(PadGraph::new(&model.fingers[0], network.layout()).unwrap());
+        let pads = CanonicalPadList::new(network.layout()).of(&model).unwrap();
         let answer = |data| {
-            let sample = Sample::of(file, &model, &graph, number, data, 10).unwrap();
+            let sample = Sample::of(file, &pads, number, data, 10).unwrap();
             let inputs =
                 Inputs { features: &sample.features, normalisers: &norms, mirror: (false, false), tape: NoneTape };
             let network: &dyn Forward = network.as_ref();

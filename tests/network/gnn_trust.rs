@@ -5,7 +5,6 @@ use crate::keep::Keep;
 use tactus::backend::choose;
 use tactus::model::Model;
 use tactus::net::infer::predict::Predictor;
-use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::record::{ErrorBound, Status};
 use tactus::scene::leaf::{Count, Positive};
 use tactus::scene::{Gnn, Loading, Scene, StepperChoice, from_ron};
@@ -27,10 +26,9 @@ fn outside_the_range_of_the_training_the_error_is_unknown() {
     let predictor = Predictor::open(&made().sure).unwrap();
     for (friction, within) in [("friction: 0.8", true), ("friction: 0.9", false), ("friction: 0.0", false)] {
         let model = Model::build(&scene(None, ("friction: 0.8", friction))).unwrap();
-        assert_eq!(predictor.graph_if_in_range(&model, false).is_ok(), within);
-        let graph = predictor.graph_if_in_range(&model, true).unwrap();
-        let touch = GeometricContact::find(&model, ball(made()).1).unwrap();
-        let seen = predictor.encode_first_contact(&model, &graph, &touch);
+        assert_eq!(predictor.pads_if_in_range(&model, false).is_ok(), within);
+        let pads = predictor.pads_if_in_range(&model, true).unwrap();
+        let seen = predictor.encode_first_contact(&pads, &pads.first_contact(ball(made()).1).unwrap());
         let known = |force: f64| predictor.at(&seen, force).unwrap().error.is_known();
         assert_eq!(known(0.7), within, "{friction}");
         assert!(!known(0.1) && !known(3.0), "forces that it was not trained for");
@@ -80,11 +78,8 @@ fn a_network_trained_on_a_few_grasps_states_no_error() {
     assert!(made().notes.contains(note), "{}", made().notes);
     let (model, pose) = ball(made());
     assert!(predictor.notices(&model, false).iter().any(|notice| notice.contains(note)));
-    let seen = predictor.encode_first_contact(
-        &model,
-        &predictor.graph(&model).unwrap(),
-        &GeometricContact::find(&model, pose).unwrap(),
-    );
+    let pads = predictor.canonical_pads(&model).unwrap();
+    let seen = predictor.encode_first_contact(&pads, &pads.first_contact(pose).unwrap());
     assert_eq!(predictor.at(&seen, 0.7).unwrap().error, ErrorBound::UNKNOWN);
 }
 

@@ -7,12 +7,14 @@ pub mod bonding;
 pub mod dome;
 pub mod generate;
 pub mod place;
+pub mod remesh;
 pub mod resolution;
 mod validity;
 
 pub use bonding::Bonding;
 pub use generate::{GELSIGHT_MINI, GelProfile, box_pad, disc_pad, gelsight_mini};
 pub use place::{PadPlacement, from_mesh, read_pad, read_pad_group};
+pub use remesh::{PadShape, remesh};
 pub use resolution::{Density, Resolution};
 
 use glam::DVec3;

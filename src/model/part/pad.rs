@@ -175,6 +175,15 @@ fn bonding<'f>(file: &'f FilePad, notices: &mut Vec<String>) -> Result<(Bonding,
     Ok((rule, None))
 }
 
+/// Gel of a pad.
+struct Gel {
+    material: Arc<dyn Material>,
+    /// Young's modulus, Pa.
+    young: f64,
+    /// Density, kg/m3.
+    density: f64,
+}
+
 impl FingerModel {
     /// Returns the bounding box of the undeformed pad, pad frame, m.
     pub fn bounds(&self) -> Aabb {
@@ -193,9 +202,23 @@ impl FingerModel {
         fem: &scene::Fem,
         (material, offset): (Arc<dyn Material>, f64),
     ) -> Result<Self> {
-        let placement = placement(side, gripper);
+        let spec = gripper.material.spec();
+        let gel = Gel { material, young: spec.young, density: spec.density };
+        let contact = (gripper.friction.get(), offset);
+        Self::from_mesh((pad, quality), placement(side, gripper), (fem.element, fem.mean_dilatation), gel, contact)
+    }
+
+    /// Creates a finger from a pad with its mesh quality; `contact` is the coefficient of friction and the contact
+    /// offset, m.
+    fn from_mesh(
+        (pad, quality): (&PadMesh, Quality),
+        placement: FingerPlacement,
+        (element, mean_dilatation): (Element, bool),
+        gel: Gel,
+        contact: (f64, f64),
+    ) -> Result<Self> {
         let corner_count = pad.mesh.nodes.len();
-        let (nodes, elements, bonded, mean_dilatation) = match fem.element {
+        let (nodes, elements, bonded, mean_dilatation) = match element {
             Element::Linear => {
                 (pad.mesh.nodes.clone(), body::Elements::Linear(pad.mesh.tets.clone()), pad.bonded.clone(), false)
             }
@@ -205,30 +228,51 @@ impl FingerModel {
                 // The midpoint of an edge is bonded if both end nodes are.
                 let glued = |[a, b]: [u32; 2]| pad.bonded[a as usize] && pad.bonded[b as usize];
                 bonded.extend(quadratic::midpoint_edges(&pad.mesh).into_iter().map(glued));
-                (promoted.nodes, body::Elements::Quadratic(promoted.tets), bonded, fem.mean_dilatation)
+                (promoted.nodes, body::Elements::Quadratic(promoted.tets), bonded, mean_dilatation)
             }
         };
         let topology = topology(pad, &nodes, &elements, &bonded, corner_count);
         let rest: Vec<DVec3> = nodes.iter().map(|x| placement.place(*x)).collect();
-        let body = Arc::new(Body::new(rest, elements, bonded, material, mean_dilatation));
+        let body = Arc::new(Body::new(rest, elements, bonded, gel.material, mean_dilatation));
         let surface = Arc::new(ContactSurface::new(&body));
         if surface.points.is_empty() {
             return Err(Error::Mesh("the pad has no free surface: every boundary face is bonded to the finger".into()));
         }
-        let element = match (fem.element, mean_dilatation) {
+        let name = match (element, mean_dilatation) {
             (Element::Linear, _) => "linear".into(),
             (Element::Quadratic, true) => "quadratic, mean dilatation".into(),
             (Element::Quadratic, false) => "quadratic".into(),
         };
-        let spec = gripper.material.spec();
-        let law = ContactLaw::new(spec.young, surface.spacing, gripper.friction.get(), offset);
+        let (friction, offset) = contact;
+        let law = ContactLaw::new(gel.young, surface.spacing, friction, offset);
         let topology = Arc::new(topology);
-        Ok(Self { body, surface, topology, placement, element, quality, gel_density: spec.density, law })
+        Ok(Self { body, surface, topology, placement, element: name, quality, gel_density: gel.density, law })
+    }
+
+    /// Returns the finger with the shape of its pad meshed anew by 10-node tetrahedra in a structured grid, whose cells
+    /// have the width `spacing` over the thickness of the pad.
+    ///
+    /// # Errors
+    /// Fails for a pad whose sensing face has no star-shaped outline.
+    pub fn remeshed(&self, spacing: f64) -> Result<Self> {
+        let PadTopology { rest, surface, sensing, bonded, .. } = &*self.topology;
+        let thickness = self.topology.thickness();
+        let shape = pad::PadShape { nodes: rest, surface, sensing, bonded };
+        let mesh = pad::remesh(&shape, thickness, spacing * thickness)?;
+        let quality = quality(&mesh.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
+        let material = self.body.material.clone();
+        let gel = Gel { young: material.moduli().young, density: self.gel_density, material };
+        let element = (Element::Quadratic, scene::Fem::default().mean_dilatation);
+        Self::from_mesh((&mesh, quality), self.placement, element, gel, (self.law.friction, self.law.offset))
     }
 
     /// Returns this pad on finger `side` (0 left, 1 right); all data except the placement are shared.
     pub fn on_finger(&self, side: usize, gripper: &Gripper) -> Self {
-        let placement = placement(side, gripper);
+        self.placed(placement(side, gripper))
+    }
+
+    /// Returns this pad with another placement; all other data are shared.
+    pub fn placed(&self, placement: FingerPlacement) -> Self {
         let rest: Vec<DVec3> = self.topology.rest.iter().map(|x| placement.place(*x)).collect();
         let surface = Arc::new(self.surface.placed(&rest));
         Self { body: Arc::new(self.body.placed(rest)), surface, placement, ..self.clone() }

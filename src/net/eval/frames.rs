@@ -2,7 +2,6 @@
 
 use crate::infer::contact_correction::object_pose;
 use crate::infer::predict::{PadState, Predictor};
-use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::{GraspLoad, frame_loads};
 use base::error::Result;
 use dataset::inspect::frame;
@@ -26,8 +25,9 @@ pub fn reference_and_prediction(
     grasp: &StoredGrasp,
     wanted: &[usize],
 ) -> Result<[Vec<Frame>; 2]> {
-    let touch = GeometricContact::find(model, Pose::from_row(&grasp.grasp_pose))?;
-    let encoded = predictor.encode_first_contact(model, &predictor.graph(model)?, &touch);
+    let pads = predictor.canonical_pads(model)?;
+    let touch = pads.first_contact(Pose::from_row(&grasp.grasp_pose))?;
+    let encoded = predictor.encode_first_contact(&pads, &touch);
     let all = frame_loads(model);
     let applied = |k: &usize| GraspLoad { force: grasp.force[*k] / file.sizes.pads as f64, ..all[*k] };
     let states = predictor.states(&encoded, &wanted.iter().map(applied).collect::<Vec<_>>())?;

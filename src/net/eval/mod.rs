@@ -12,7 +12,6 @@ use super::train::data;
 pub use super::train::frame_error::FrameError;
 use super::train::frame_error::{frame_error, reference_fields};
 use super::train::sample::Sample;
-use crate::linear_response::pad_graph::mesh_hash;
 use base::error::Result;
 use base::interrupt;
 use dataset::DataSet;
@@ -59,7 +58,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
     if !extrapolate {
         for object in &set.objects {
             object.require_equal_pads("a network")?;
-            predictor.card.range.check_pad(&object.pads[0], &mesh_hash(&object.pads[0]))?;
+            predictor.card.range.check_pad(&object.pads[0])?;
         }
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;

@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 /// Version of the features, increased whenever the meaning of one changes; a network accepts only the version of its
 /// training.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 /// Features of a face node: x, y; the gap along the closing direction and its decay at three scales; normal of the
 /// object where the node would meet it; distance to the object and its normal when the undeformed pad has closed by 0,

@@ -1,7 +1,7 @@
 //! Range of a training set. Outside it the network gives no answer, or one of unknown error.
 
 use super::GraspFeatures;
-use super::pad_range::{PadRange, Sensor};
+use super::pad_range::PadRange;
 use crate::features::normalise::MOST;
 use base::error::{Error, Result};
 use model::Model;
@@ -11,14 +11,8 @@ use serde::{Deserialize, Serialize};
 /// Range of the training set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainedRange {
-    /// Hash of the pad's mesh; empty if there are several kinds of pads.
-    pub pad: String,
-    /// Dimensions of the pad, for messages; absent in older cards.
-    #[serde(default)]
-    pub sensor: Option<Sensor>,
-    /// Range of the pads, if there are several kinds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pads: Option<PadRange>,
+    /// Dimensions of the pads.
+    pub pads: PadRange,
     /// Law of the gel.
     pub material: String,
     /// Smallest and largest Poisson's ratio.
@@ -47,6 +41,8 @@ fn unpushed(push: &[f64; 2]) -> bool {
 
 /// Tolerance for rounding at the ends of a range.
 const SLACK: f64 = 1e-6;
+/// Tolerance of the dimensions of a pad, over its thickness: facets of a coarse mesh lie inside the curves they stand for.
+const PAD_SLACK: f64 = 0.02;
 
 /// Returns true if `value` is within a range, up to rounding.
 fn within(value: f64, [low, high]: [f64; 2]) -> bool {
@@ -60,9 +56,7 @@ impl TrainedRange {
         let moduli = model.material.moduli();
         let (low, high) = forces.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), f| (l.min(f / unit), h.max(f / unit)));
         Self {
-            pad: features.graph.hash.clone(),
-            sensor: model.fingers.first().map(|f| Sensor::of(&f.topology)),
-            pads: None,
+            pads: PadRange::of(&model.fingers[0].topology),
             material: model.material.name().into(),
             poisson: [moduli.poisson; 2],
             friction: [model.friction; 2],
@@ -89,11 +83,7 @@ impl TrainedRange {
                 self.others.sort_unstable();
             }
         }
-        if self.pad != other.pad {
-            let of = |r: &Self| r.pads.or(r.sensor.as_ref().map(PadRange::of));
-            self.pads = of(self).zip(of(other)).map(|(own, other)| own.join(other));
-            self.pad = String::new();
-        }
+        self.pads = self.pads.join(other.pads);
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         self.poisson = join(self.poisson, other.poisson);
         self.friction = join(self.friction, other.friction);
@@ -108,43 +98,28 @@ impl TrainedRange {
         std::iter::once((self.free, self.fingers)).chain(self.others.iter().copied()).collect()
     }
 
-    /// Checks that a pad, whose mesh has this hash, was in the training set or has dimensions within its range.
+    /// Checks that the dimensions of a pad are within the range.
     ///
     /// # Errors
-    /// Fails for another pad; the message gives the dimensions of both.
-    pub fn check_pad(&self, pad: &PadTopology, hash: &str) -> Result<()> {
-        match self.pad_outside(pad, hash) {
-            None => Ok(()),
-            Some(outside) => refuse(outside),
-        }
+    /// Fails for another pad; the message gives the dimension and the range.
+    pub fn check_pad(&self, pad: &PadTopology) -> Result<()> {
+        self.pad_outside(pad).map_or(Ok(()), refuse)
     }
 
     /// Returns a description of what lies outside the range of pads, if anything does.
-    fn pad_outside(&self, pad: &PadTopology, hash: &str) -> Option<String> {
-        if hash == self.pad {
-            return None;
-        }
-        if let Some(pads) = &self.pads {
-            let (name, value, [low, high]) = pads.first_outside(&PadRange::of(&Sensor::of(pad)), SLACK)?;
-            return Some(format!(
-                "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to \
-                 {high:.3}"
-            ));
-        }
-        let own = Sensor::of(pad).to_string();
-        let unknown = || format!("a pad whose mesh has the hash {:.8}", self.pad);
-        let known = self.sensor.map_or_else(unknown, |sensor| sensor.to_string());
-        let alike = if own == known { ", with nodes at other positions" } else { "" };
-        Some(format!("its pads are of another sensor or another mesh: {own}; the training data have {known}{alike}"))
+    fn pad_outside(&self, pad: &PadTopology) -> Option<String> {
+        let (name, value, [low, high]) = self.pads.first_outside(&PadRange::of(pad), PAD_SLACK)?;
+        Some(format!(
+            "the {name} of its pads is {value:.3} times their thickness, the training range is {low:.3} to {high:.3}"
+        ))
     }
 
-    /// Checks that a grasp of `model`, whose pads have a mesh with this hash, is of a supported kind and, unless it may
-    /// `extrapolate`, within the range under all of its forces. Takes almost no time.
+    /// Checks that a grasp of `model` is of a supported kind and, unless it may `extrapolate`, within the range under all of its forces. Takes almost no time.
     ///
     /// # Errors
     /// Fails if something is outside; the message states what, by how much, and what to do.
-    pub fn check_model(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
-        self.check_model_some_force(model, hash, extrapolate)?;
+    pub fn check_model(&self, model: &Model, extrapolate: bool) -> Result<()> {
+        self.check_model_some_force(model, extrapolate)?;
         self.forces_outside(model).filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
@@ -152,7 +127,7 @@ impl TrainedRange {
     ///
     /// # Errors
     /// Fails if all forces, or something else, are outside; the message states what, by how much, and what to do.
-    pub fn check_model_some_force(&self, model: &Model, hash: &str, extrapolate: bool) -> Result<()> {
+    pub fn check_model_some_force(&self, model: &Model, extrapolate: bool) -> Result<()> {
         if !model.has_equal_pads() {
             return refuse("its two pads differ, the network supports only identical pads".into());
         }
@@ -178,7 +153,7 @@ impl TrainedRange {
             ));
         }
         let none = || self.answerable_frames(model, false).is_empty().then(|| self.forces_outside(model)).flatten();
-        let outside = self.outside(model, hash).or_else(none);
+        let outside = self.outside(model).or_else(none);
         outside.filter(|_| !extrapolate).map_or(Ok(()), untrained)
     }
 
@@ -212,12 +187,11 @@ impl TrainedRange {
             .then(|| format!("{} {verb} outside the training range of {low:.4} to {high:.4} N", rows.join(" and ")))
     }
 
-    /// Returns a description of the first quantity other than the force that is outside the range for a grasp whose
-    /// pads have a mesh with this hash.
-    pub fn outside(&self, model: &Model, hash: &str) -> Option<String> {
+    /// Returns a description of the first quantity other than the force that is outside the range.
+    pub fn outside(&self, model: &Model) -> Option<String> {
         let finger = model.fingers.first()?;
         let (moduli, t, unit) = (model.material.moduli(), finger.topology.thickness(), unit(model));
-        let mut all: Vec<String> = self.pad_outside(&finger.topology, hash).into_iter().collect();
+        let mut all: Vec<String> = self.pad_outside(&finger.topology).into_iter().collect();
         let mut check = |value: f64, range: [f64; 2], what: &dyn Fn() -> String| {
             if !within(value, range) {
                 all.push(what());
@@ -259,17 +233,11 @@ impl TrainedRange {
         if !(0.0..=MOST).contains(&self.weight) {
             return Err(format!("`range.weight` is {}; allowed: 0 to {MOST:e}", self.weight));
         }
-        let pads = self.pads.iter().flat_map(PadRange::spans);
-        if let Some((name, [low, high])) =
-            pads.into_iter().find(|(_, [low, high])| !(0.0 < *low && low <= high && *high <= MOST))
-        {
-            return Err(format!(
-                "`range.pads.{name}` goes from {low} to {high}; allowed: above 0, ascending, to {MOST:e}"
-            ));
-        }
-        let sizes = self.sensor.map(|s| [s.size[0], s.size[1], s.size[2], s.spacing]).unwrap_or_default();
-        match sizes.iter().find(|v| !(0.0..=MOST).contains(*v)) {
-            Some(bad) => Err(format!("`range.sensor` contains {bad}; allowed: 0 to {MOST:e}")),
+        let pads = self.pads.spans();
+        match pads.into_iter().find(|(_, [low, high])| !(0.0 <= *low && low <= high && *high <= MOST)) {
+            Some((name, [low, high])) => {
+                Err(format!("`range.pads`: {name} from {low} to {high}; allowed: from 0, ascending, to {MOST:e}"))
+            }
             None => Ok(()),
         }
     }

@@ -13,7 +13,6 @@ use geometry::Pose;
 use model::Model;
 use rayon::prelude::*;
 use std::sync::Arc;
-use world::environment::Environment;
 
 /// Largest number of grasps decoded together: with two pads each, they fill a register.
 const MAX_BATCH: usize = 8;
@@ -42,7 +41,7 @@ impl Predictor {
         poses: &[Pose],
         extrapolate: bool,
     ) -> Result<Vec<Result<PredictedGrasp>>> {
-        let graph = self.graph_if_some_force_in_range(model, extrapolate)?;
+        let pads = self.pads_if_some_force_in_range(model, extrapolate)?;
         let loads: Vec<GraspLoad> =
             self.answerable_loads(model, extrapolate).into_iter().map(|(_, load)| load).collect();
         // Groups are small enough to occupy all threads; their composition does not change a single bit.
@@ -50,14 +49,14 @@ impl Predictor {
         let together = (FaceEngine::LOADS_PER_BATCH / LoadInterpolation::initial_load_count(model, &loads).max(1))
             .min(each)
             .clamp(1, MAX_BATCH);
-        let predict = |environment: &mut Option<Environment>, poses: &[Pose]| -> Result<Vec<_>> {
+        let predict = |poses: &[Pose]| -> Result<Vec<_>> {
             interrupt::check()?;
-            let touch = |pose: &Pose| GeometricContact::find_in(environment, model, *pose);
-            let touches: Vec<Result<GeometricContact>> = poses.iter().map(touch).collect();
+            let touches: Vec<Result<GeometricContact>> =
+                poses.iter().map(|pose| pads.first_contact(*pose)).collect();
             let encoded: Vec<EncodedGrasp> = touches
                 .iter()
                 .flatten()
-                .map(|touch| self.encode_first_contact(model, &graph, touch).without_unneeded_stress())
+                .map(|touch| self.encode_first_contact(&pads, touch).without_unneeded_stress())
                 .collect();
             let mut ramps =
                 LoadInterpolation::decode_batch(self, &encoded.iter().collect::<Vec<_>>(), &loads).into_iter();
@@ -70,7 +69,7 @@ impl Predictor {
             };
             Ok(touches.into_iter().map(grasp).collect())
         };
-        let groups: Result<Vec<Vec<_>>> = poses.par_chunks(together).map_init(|| None, predict).collect();
+        let groups: Result<Vec<Vec<_>>> = poses.par_chunks(together).map(predict).collect();
         Ok(groups?.into_iter().flatten().collect())
     }
 }

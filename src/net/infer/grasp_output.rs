@@ -10,7 +10,7 @@ use crate::network::Normalisers;
 use crate::network::interval::{ErrorIndicators, PredictionInterval};
 use glam::DVec3;
 use rayon::prelude::*;
-use record::ErrorBound;
+use record::{ErrorBound, FieldTransfer};
 use std::sync::Arc;
 
 /// Output of the network for some load levels of a grasp.
@@ -20,6 +20,8 @@ pub struct GraspOutput {
     pub(crate) out: OutputArrays,
     pub(crate) norms: Normalisers,
     pub(crate) graph: Arc<PadGraph>,
+    /// Map of the fields to the mesh of the scene; None if it is the canonical one.
+    pub(crate) to_scene: Option<Arc<FieldTransfer>>,
     pub(crate) pads: usize,
     /// Flag: stress is required.
     pub(crate) stress: bool,
@@ -66,9 +68,14 @@ impl GraspOutput {
         })
     }
 
-    /// Returns the state at one level.
+    /// Returns the state at one level, on the mesh of the scene.
     pub(crate) fn at(&self, level: usize) -> GraspState {
         linear_combination(&[(self, level, 1.0)])
+    }
+
+    /// Returns the states of the pads at one level, on the canonical mesh.
+    fn canonical_pads(&self, level: usize) -> Vec<PadState> {
+        (0..self.pads).map(|pad| combined_pad(pad, &[(self, level, 1.0)])).collect()
     }
 
     /// Returns the upper ends of the prediction intervals (90 %) of a level.
@@ -99,10 +106,10 @@ impl GraspOutput {
     pub(crate) fn correct_travel(&mut self, features: &GraspFeatures) {
         let levels = self.loads.load.len();
         let of = |level: usize| {
-            let state = self.at(level);
+            let pads = self.canonical_pads(level);
             let depth =
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
-            corrected_travel(features, &state.pads, &self.loads.load[level], depth)
+            corrected_travel(features, &pads, &self.loads.load[level], depth)
         };
         let corrected: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
         self.travel = corrected.iter().flat_map(|(travel, _)| travel).copied().collect();
@@ -110,14 +117,22 @@ impl GraspOutput {
     }
 }
 
-/// Returns the linear combination of decoded states, each given by its answer, level and weight; its error is the
-/// largest of theirs.
+/// Returns the linear combination of decoded states, each given by its answer, level and weight, on the mesh of the
+/// scene; its error is the largest of theirs.
 pub(crate) fn linear_combination(parts: &[(&GraspOutput, usize, f64)]) -> GraspState {
     let pads = parts.first().map_or(0, |(answer, ..)| answer.pads);
     let errors = parts.iter().map(|(answer, level, _)| answer.error(*level));
     let error = errors.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN);
     let held = parts.iter().all(|(answer, level, _)| answer.loads.held[*level]);
-    GraspState { pads: (0..pads).map(|pad| combined_pad(pad, parts)).collect(), held, error }
+    let to_scene = parts.first().and_then(|(answer, ..)| answer.to_scene.as_deref());
+    let pad = |pad: usize| {
+        let state = combined_pad(pad, parts);
+        match to_scene {
+            Some(map) => state.transferred(map),
+            None => state,
+        }
+    };
+    GraspState { pads: (0..pads).map(pad).collect(), held, error }
 }
 
 fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {

@@ -5,7 +5,7 @@ use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
 use crate::features::GraspFeatures;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::pad_graph::PadGraph;
+use crate::linear_response::canonical_pads::CanonicalPads;
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel};
 use crate::network::spec::NetworkSpec;
@@ -19,7 +19,6 @@ use rayon::prelude::*;
 use scene::{Loading, Scene};
 use std::path::Path;
 use std::sync::Arc;
-use world::environment::Environment;
 
 /// Direction of differentiation of a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,8 +80,7 @@ pub type InputDerivatives = [Vec<Array<f32>>; 2];
 #[derive(Debug)]
 pub struct SceneInputs {
     predictor: Predictor,
-    model: Arc<Model>,
-    graph: Arc<PadGraph>,
+    pads: CanonicalPads,
     loading: Loading,
     extrapolate: bool,
 }
@@ -98,19 +96,19 @@ impl SceneInputs {
         require_face_network(&predictor.card, model)?;
         let extrapolate = extrapolate || scene.stepper.extrapolates();
         let model = Model::build(&scene.without_finer_mesh())?;
-        let graph = predictor.graph_if_in_range(&model, extrapolate)?;
-        Ok(Self { predictor, model, graph, loading: scene.loading.clone(), extrapolate })
+        let pads = predictor.pads_if_in_range(&model, extrapolate)?;
+        Ok(Self { predictor, pads, loading: scene.loading.clone(), extrapolate })
     }
 
     /// Returns the force under each load of the scene, N, the sum over the fingers, and its coefficient of friction.
     pub fn scene_forces_and_friction(&self) -> (Vec<f64>, f64) {
-        let fingers = self.model.fingers.len() as f64;
-        (frame_loads(&self.model).iter().map(|load| load.force * fingers).collect(), self.model.friction)
+        let fingers = self.pads.model.fingers.len() as f64;
+        (frame_loads(&self.pads.model).iter().map(|load| load.force * fingers).collect(), self.pads.model.friction)
     }
 
     /// Returns the inputs shared by all grasps.
     pub fn pad(&self) -> PadInputs {
-        pad_inputs(&self.graph, self.model.material.moduli().young, &self.predictor.card.normalisers)
+        pad_inputs(&self.pads.graph, self.pads.model.material.moduli().young, &self.predictor.card.normalisers)
     }
 
     /// Returns for each of `grips` its inputs, and their derivatives along `changes`: with respect to the logarithm of
@@ -124,27 +122,26 @@ impl SceneInputs {
         grips: &[GraspParameters],
         changes: &[DerivativeDirection],
     ) -> Result<Vec<Result<InputDerivatives>>> {
-        let grasp = |environment: &mut Option<Environment>, grip: &GraspParameters| {
+        let grasp = |grip: &GraspParameters| {
             interrupt::check()?;
-            Ok(self.input_derivatives(environment, grip, changes))
+            Ok(self.input_derivatives(grip, changes))
         };
-        grips.par_iter().map_init(|| None, grasp).collect()
+        grips.par_iter().map(grasp).collect()
     }
 
     fn input_derivatives(
         &self,
-        environment: &mut Option<Environment>,
         grip: &GraspParameters,
         changes: &[DerivativeDirection],
     ) -> Result<InputDerivatives> {
         let model = self.checked_model(grip)?;
-        let mut touches = |pose| GeometricContact::find_in(environment, &self.model, pose);
+        let touches = |pose| self.pads.first_contact(pose);
         let touch = touches(grip.pose)?;
         let inputs = self.inputs_at_contact(&touch, &model, grip);
         let mut slopes: Vec<Array<f32>> = inputs.iter().map(|array| array.stack(changes.len())).collect();
         for change in changes {
             let step = self.step(grip, *change)?;
-            let mut beside = |by: f64| -> Result<_> {
+            let beside = |by: f64| -> Result<_> {
                 let changed = grip.changed(*change, by);
                 // Neither force nor friction changes the first contact.
                 Ok(match changed.pose == grip.pose {
@@ -163,12 +160,12 @@ impl SceneInputs {
 
     /// Returns the model under the forces and the friction of `grip`.
     fn checked_model(&self, grip: &GraspParameters) -> Result<Model> {
-        let (loads, given, fingers) = (self.model.levels.len(), grip.force.len(), self.model.fingers.len() as f64);
+        let (loads, given, fingers) = (self.pads.model.levels.len(), grip.force.len(), self.pads.model.fingers.len() as f64);
         let refused = |what: String| Err(Error::Start(what));
         if let Some(bad) = grip.force.iter().find(|force| !(force.is_finite() && **force > 0.0)) {
             return refused(format!("a force of {bad} N; numbers above 0 are needed"));
         }
-        if self.model.push.is_some() && given != loads {
+        if self.pads.model.push.is_some() && given != loads {
             return refused(format!(
                 "{given} forces for a scene whose push has {loads} loads; give one force for each"
             ));
@@ -177,8 +174,8 @@ impl SceneInputs {
             return refused(format!("a friction of {}; a number of 0 or above is needed", grip.friction));
         }
         let levels = grip.force.iter().map(|force| force / fingers).collect();
-        let model = self.model.with_loading(&self.loading, levels, grip.friction);
-        self.predictor.card.range.check_model(&model, &self.graph.hash, self.extrapolate)?;
+        let model = self.pads.model.with_loading(&self.loading, levels, grip.friction);
+        self.predictor.card.range.check_model(&model, self.extrapolate)?;
         Ok(model)
     }
 
@@ -186,7 +183,7 @@ impl SceneInputs {
     /// force of `model`, even if that of `grip` differs.
     fn inputs_at_contact(&self, touch: &GeometricContact, model: &Model, grip: &GraspParameters) -> Vec<Array<f32>> {
         let own = Arc::new(model.with_loading(&self.loading, model.levels.clone(), grip.friction));
-        let features = GraspFeatures::new(&own, &self.graph, touch);
+        let features = GraspFeatures::new(&own, &self.pads.graph, touch);
         let (fingers, usual) = (own.fingers.len() as f64, frame_loads(&own));
         let squeezed = usual.into_iter().zip(&grip.force);
         let loads: Vec<_> = squeezed.map(|(load, force)| GraspLoad { force: force / fingers, ..load }).collect();
@@ -202,7 +199,7 @@ impl SceneInputs {
     /// Fails for the derivative with respect to friction of a frictionless grasp.
     fn step(&self, grip: &GraspParameters, change: DerivativeDirection) -> Result<f64> {
         let farthest = |finger: &FingerModel| {
-            self.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
+            self.pads.graph.rest.iter().map(|x| finger.placement.place(*x).length()).fold(0.0, f64::max)
         };
         let scale = match change {
             DerivativeDirection::Force => 1.0,
@@ -213,9 +210,9 @@ impl SceneInputs {
                         .into(),
                 ));
             }
-            DerivativeDirection::Position(_) => self.graph.thickness,
+            DerivativeDirection::Position(_) => self.pads.graph.thickness,
             DerivativeDirection::Rotation(_) => {
-                self.graph.thickness / self.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
+                self.pads.graph.thickness / self.pads.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
             }
         };
         Ok(f64::from(f32::EPSILON).sqrt() * scale)

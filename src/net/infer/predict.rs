@@ -9,8 +9,7 @@ use crate::autodiff::tensor::{Matrix, NoneTape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
 use crate::linear_response::first_contact::GeometricContact;
-use crate::linear_response::pad_graph::{PadGraph, mesh_hash};
-use crate::linear_response::pad_graphs::PadGraphs;
+use crate::linear_response::canonical_pads::{CanonicalPadList, CanonicalPads};
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel, WEIGHTS};
 use crate::network::parameters::Parameters;
@@ -19,6 +18,7 @@ use crate::network::{Forward, Inputs, Network, build};
 use base::error::{Error, Result};
 use model::Model;
 use rayon::prelude::*;
+use record::FieldTransfer;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -36,13 +36,8 @@ pub struct Predictor {
     pub parameters: Parameters,
     /// The same network without tensors; None if its kind has no such engine.
     engine: Option<FaceEngine>,
-    /// Graphs of the pads requested so far.
-    pub(crate) pads: PadGraphs,
-}
-
-/// Returns the mesh hash of the pads; empty without fingers.
-fn pad_hash(model: &Model) -> String {
-    model.fingers.first().map_or_else(String::new, |finger| mesh_hash(&finger.topology))
+    /// Canonical pads requested so far.
+    pub(crate) pads: CanonicalPadList,
 }
 
 /// Encoded grasp: all that decoding a load level requires.
@@ -50,6 +45,8 @@ fn pad_hash(model: &Model) -> String {
 pub struct EncodedGrasp {
     features: GraspFeatures,
     code: Encoded,
+    /// Map of the fields to the mesh of the scene; None if it is the canonical one.
+    to_scene: Option<Arc<FieldTransfer>>,
     /// Flag: stress is required.
     stress: bool,
     /// Flag: the grasp is within the range of the training, apart from its forces.
@@ -102,7 +99,7 @@ impl Predictor {
             NetworkSpec::Face(sizes) => Some(FaceEngine::new(sizes, &parameters, &card.normalisers)),
             NetworkSpec::Paper(_) => None,
         };
-        let pads = PadGraphs::new(network.layout());
+        let pads = CanonicalPadList::new(network.layout());
         Self { card, network, parameters, engine, pads }
     }
 
@@ -116,35 +113,34 @@ impl Predictor {
         Self { engine: None, ..self }
     }
 
-    /// Returns the graph of the pads of `model`, if model and forces are within the trained range or it may
-    /// `extrapolate`.
+    /// Returns the canonical pads of `model`, if model and forces are within the trained range or it may `extrapolate`.
     ///
     /// # Errors
     /// Fails if the scene is outside the trained range; the message states where.
-    pub fn graph_if_in_range(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
+    pub fn pads_if_in_range(&self, model: &Arc<Model>, extrapolate: bool) -> Result<CanonicalPads> {
         // Checked first, because solving for the response of a new pad is expensive.
-        self.card.range.check_model(model, &pad_hash(model), extrapolate)?;
-        self.graph(model)
+        self.card.range.check_model(model, extrapolate)?;
+        self.canonical_pads(model)
     }
 
-    /// Returns the graph of the pads of `model`, if model and at least one force are within the trained range or it may
+    /// Returns the canonical pads of `model`, if model and at least one force are within the trained range or it may
     /// `extrapolate`.
     ///
     /// # Errors
     /// Fails if the scene, or all of its forces, are outside the trained range; the message states where.
-    pub fn graph_if_some_force_in_range(&self, model: &Model, extrapolate: bool) -> Result<Arc<PadGraph>> {
-        self.card.range.check_model_some_force(model, &pad_hash(model), extrapolate)?;
-        self.graph(model)
+    pub fn pads_if_some_force_in_range(&self, model: &Arc<Model>, extrapolate: bool) -> Result<CanonicalPads> {
+        self.card.range.check_model_some_force(model, extrapolate)?;
+        self.canonical_pads(model)
     }
 
     /// Returns notes about the answers to grasps of `model`: frames without an answer, and whether their error is
     /// unknown; empty for a scene that is refused.
     pub fn notices(&self, model: &Model, extrapolate: bool) -> Vec<String> {
-        let (range, hash) = (&self.card.range, pad_hash(model));
-        if range.check_model_some_force(model, &hash, extrapolate).is_err() {
+        let range = &self.card.range;
+        if range.check_model_some_force(model, extrapolate).is_err() {
             return Vec::new();
         }
-        let outside = range.outside(model, &hash).into_iter().chain(range.forces_outside(model));
+        let outside = range.outside(model).into_iter().chain(range.forces_outside(model));
         let outside = outside.map(|what| match extrapolate {
             true => format!("the error of the network is unknown outside the range of its training data: {what}"),
             false => format!("{what}: the network gives no prediction; `extrapolate` allows one of unknown error"),
@@ -158,32 +154,28 @@ impl Predictor {
         self.card.range.answerable_frames(model, extrapolate).into_iter().map(|frame| (frame, loads[frame])).collect()
     }
 
-    /// Returns the graph of the pads of `model`, in the trained range or not.
+    /// Returns the canonical pads of `model`, in the trained range or not.
     ///
     /// # Errors
-    /// Fails for a pad without a sensing face.
-    pub fn graph(&self, model: &Model) -> Result<Arc<PadGraph>> {
-        Ok(self.pads.get_or_build(&[model.finger()?])?.remove(0))
+    /// Fails for a pad without a sensing face, or with one that is not star-shaped.
+    pub fn canonical_pads(&self, model: &Arc<Model>) -> Result<CanonicalPads> {
+        self.pads.of(model)
     }
 
-    /// Encodes a grasp at first contact, with the only pass of message passing.
-    pub fn encode_first_contact(
-        &self,
-        model: &Arc<Model>,
-        graph: &Arc<PadGraph>,
-        touch: &GeometricContact,
-    ) -> EncodedGrasp {
-        self.encode(GraspFeatures::new(model, graph, touch))
+    /// Encodes a grasp at first contact of the canonical pads, with the only pass of message passing.
+    pub fn encode_first_contact(&self, pads: &CanonicalPads, touch: &GeometricContact) -> EncodedGrasp {
+        let encoded = self.encode(GraspFeatures::new(&pads.model, &pads.graph, touch));
+        EncodedGrasp { to_scene: pads.to_scene().cloned(), ..encoded }
     }
 
-    /// Encodes a grasp from existing features.
+    /// Encodes a grasp from existing features; its answers are on the canonical mesh.
     pub fn encode(&self, features: GraspFeatures) -> EncodedGrasp {
         let code = match &self.engine {
             Some(engine) => Encoded::Engine(engine.encode(&features)),
             None => Encoded::Tensors(self.forward().encode(&self.parameters, &self.inputs(&features))),
         };
-        let in_trained_range = self.card.range.outside(&features.model, &features.graph.hash).is_none();
-        EncodedGrasp { features, code, stress: true, in_trained_range }
+        let in_trained_range = self.card.range.outside(&features.model).is_none();
+        EncodedGrasp { features, code, to_scene: None, stress: true, in_trained_range }
     }
 
     fn forward(&self) -> &dyn Forward {
@@ -276,6 +268,7 @@ impl Predictor {
             out,
             norms,
             graph,
+            to_scene: encoded.to_scene.clone(),
             pads,
             stress: encoded.stress,
             young,

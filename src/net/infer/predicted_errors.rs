@@ -1,7 +1,6 @@
 //! Grasps with the largest predicted error, which are the most useful to add to a training set.
 
 use super::predict::Predictor;
-use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::frame_loads;
 use base::error::{Error, Result};
 use geometry::Pose;
@@ -18,12 +17,12 @@ pub fn predicted_errors(predictor: &Predictor, scene: &Scene, poses: &[Pose]) ->
         return Err(Error::Start(unknown));
     }
     let model = Model::build(&scene.without_finer_mesh())?;
-    let graph = predictor.graph(&model)?;
+    let pads = predictor.canonical_pads(&model)?;
     let loads = frame_loads(&model);
     let last = loads.last().copied().unwrap_or_default();
     let doubt = |pose: &Pose| {
-        let Ok(touch) = GeometricContact::find(&model, *pose) else { return Ok(0.0) };
-        Ok(predictor.at(&predictor.encode_first_contact(&model, &graph, &touch), last)?.error.displacement)
+        let Ok(touch) = pads.first_contact(*pose) else { return Ok(0.0) };
+        Ok(predictor.at(&predictor.encode_first_contact(&pads, &touch), last)?.error.displacement)
     };
     poses.iter().map(doubt).collect()
 }

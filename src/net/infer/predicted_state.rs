@@ -1,7 +1,7 @@
 //! State that the network predicts for a grasp.
 
 use glam::DVec3;
-use record::ErrorBound;
+use record::{ErrorBound, FieldTransfer};
 
 /// State predicted for one pad at one load level, pad frame, SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,23 @@ pub struct PadState {
     pub translation: DVec3,
     /// Rotation vector of the object since first contact.
     pub rotation_vector: DVec3,
+}
+
+impl PadState {
+    /// Returns the state on another mesh.
+    pub fn transferred(&self, map: &FieldTransfer) -> Self {
+        Self {
+            displacement: map.displacement(&self.displacement),
+            // Quadratic shape functions may be negative.
+            stress: if self.stress.is_empty() {
+                Vec::new()
+            } else {
+                map.values(&self.stress).into_iter().map(|s| s.max(0.0)).collect()
+            },
+            contact: map.force(&self.contact),
+            ..*self
+        }
+    }
 }
 
 /// State predicted for a grasp at one load level.

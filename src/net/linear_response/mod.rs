@@ -2,6 +2,7 @@
 //! any network.
 
 pub mod balance;
+pub mod canonical_pads;
 pub mod compliance;
 pub mod compliance_cache;
 pub mod deviator;
@@ -12,7 +13,6 @@ mod many_loads;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;
-pub mod pad_graphs;
 pub mod projected_gradient;
 mod refined_pad;
 pub mod rigid_equilibrium;

@@ -6,7 +6,7 @@ use crate::features::range::TrainedRange;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::features::{EDGE, NODE, PAD, Parity};
 use crate::linear_response::pad_graph::Layout;
-use crate::linear_response::pad_graphs::PadGraphs;
+use crate::linear_response::canonical_pads::CanonicalPadList;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{Sample, model_of};
 use base::error::{Error, Result};
@@ -59,14 +59,14 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Reads the grasps of each set's poses, at most `frames` frames of each, and their range. Graphs of their pads are
+/// Reads the grasps of each set's poses, at most `frames` frames of each, and their range. Their canonical pads are
 /// taken from `known` or added to it.
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mixture that one model cannot represent, and if there is no grasp.
 pub fn read(
     sets: &[(&DataSet, &GraspNumbers)],
-    known: &PadGraphs,
+    known: &CanonicalPadList,
     frames: usize,
 ) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
@@ -76,19 +76,18 @@ pub fn read(
         }
         set.objects.iter().try_for_each(|object| object.require_equal_pads("a network"))?;
         let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
-        let fingers = models.iter().map(|model| model.finger()).collect::<Result<Vec<_>>>()?;
-        let of_object = known.get_or_build(&fingers)?;
+        let of_object = known.of_models(&models)?;
         let named = set.select(poses).into_iter();
-        chosen.extend(named.map(|(o, grasp)| (&set.objects[o], models[o].clone(), of_object[o].clone(), grasp)));
+        chosen.extend(named.map(|(o, grasp)| (&set.objects[o], of_object[o].clone(), grasp)));
     }
-    let samples = chosen.par_iter().map(|(file, model, graph, grasp)| {
+    let samples = chosen.par_iter().map(|(file, pads, grasp)| {
         interrupt::check()?;
-        Sample::read(file, model, graph, *grasp, frames)
+        Sample::read(file, pads, *grasp, frames)
     });
     let samples = samples.collect::<Result<Vec<_>>>()?;
     let mut range: Option<TrainedRange> = None;
-    for (sample, (_, model, ..)) in samples.iter().zip(&chosen) {
-        let own = TrainedRange::of(model, &sample.features, &sample.forces);
+    for (sample, (_, pads, _)) in samples.iter().zip(&chosen) {
+        let own = TrainedRange::of(&pads.model, &sample.features, &sample.forces);
         match &mut range {
             Some(range) => range.extend(&own)?,
             None => range = Some(own),

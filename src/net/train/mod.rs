@@ -26,7 +26,7 @@ use super::network::interval::{ErrorIndicators, PredictionInterval, ValidationEr
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
 use super::network::{Forward, Inputs, Network, Normalisers, build};
-use crate::linear_response::pad_graphs::PadGraphs;
+use crate::linear_response::canonical_pads::CanonicalPadList;
 use adam::Adam;
 use base::error::{Error, Result};
 use base::files::lock::FolderLock;
@@ -75,7 +75,7 @@ impl Trainer {
         let (network, parameters) = build(&spec.network, Some(spec.training.seed));
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
-        let (samples, range) = data::read(&all, &PadGraphs::new(network.layout()), spec.training.frames.get())?;
+        let (samples, range) = data::read(&all, &CanonicalPadList::new(network.layout()), spec.training.frames.get())?;
         if samples.len() < 2 {
             return Err(Error::Start(
                 "training needs at least two grasps: one for training, one for early stopping".into(),

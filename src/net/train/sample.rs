@@ -5,14 +5,14 @@ use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::select_rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
-use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::object_motion::rigid_motion;
-use crate::linear_response::pad_graph::PadGraph;
+use crate::linear_response::canonical_pads::CanonicalPads;
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::{NetworkOutput, Normalisers};
 use base::error::{Error, Result};
 use dataset::{ObjectFile, StoredGrasp};
 use geometry::Pose;
+use glam::DVec3;
 use model::Model;
 use scene::from_ron;
 
@@ -48,6 +48,11 @@ pub struct Sample {
     pub motion: Vec<f64>,
 }
 
+/// Returns the vectors with these components.
+fn vectors(components: &[f32]) -> Vec<DVec3> {
+    components.as_chunks::<3>().0.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
+}
+
 /// Builds the model of a file of a data set.
 ///
 /// # Errors
@@ -64,12 +69,11 @@ impl Sample {
     /// Fails if the grasp is damaged, or if its first contact cannot be found.
     pub fn read(
         file: &ObjectFile,
-        model: &Arc<Model>,
-        graph: &Arc<PadGraph>,
+        pads: &CanonicalPads,
         grasp: usize,
         most: usize,
     ) -> Result<Self> {
-        Self::of(file, model, graph, grasp, &file.grasp(grasp)?, most)
+        Self::of(file, pads, grasp, &file.grasp(grasp)?, most)
     }
 
     /// Creates the sample of a grasp that has been read. The features do not depend on finite-element results.
@@ -78,13 +82,13 @@ impl Sample {
     /// Fails if first contact cannot be found.
     pub fn of(
         file: &ObjectFile,
-        model: &Arc<Model>,
-        graph: &Arc<PadGraph>,
+        canonical: &CanonicalPads,
         grasp: usize,
         data: &StoredGrasp,
         most: usize,
     ) -> Result<Self> {
-        let touch = GeometricContact::find(model, Pose::from_row(&data.grasp_pose))?;
+        let (model, graph) = (&canonical.model, &canonical.graph);
+        let touch = canonical.first_contact(Pose::from_row(&data.grasp_pose))?;
         let count = data.frames.min(most);
         let last = data.frames.saturating_sub(1);
         let frames = (0..count).map(|i| if count > 1 { i * last / (count - 1) } else { last });
@@ -112,13 +116,23 @@ impl Sample {
         };
         for k in frames {
             let own = k * pads * nodes..(k + 1) * pads * nodes;
-            sample.displacement.extend(&data.displacement[3 * own.start..3 * own.end]);
-            sample.stress.extend(&data.von_mises[own.clone()]);
             for pad in 0..pads {
-                let force = &data.contact_force[3 * (own.start + pad * nodes)..];
-                sample.contact.extend(graph.face.iter().flat_map(|i| &force[3 * *i as usize..3 * *i as usize + 3]));
+                let own = own.start + pad * nodes..own.start + (pad + 1) * nodes;
+                let components = 3 * own.start..3 * own.end;
+                let [moved, force] = [&data.displacement, &data.contact_force].map(|all| vectors(&all[components.clone()]));
+                let stress: Vec<f64> = data.von_mises[own].iter().map(|s| f64::from(*s)).collect();
+                let (moved, force, stress) = match canonical.from_scene() {
+                    Some(map) => (map.displacement(&moved), map.force(&force), map.values(&stress)),
+                    None => (moved, force, stress),
+                };
+                let single = |v: &DVec3| v.to_array().map(|c| c as f32);
+                sample.displacement.extend(moved.iter().flat_map(single));
+                sample.stress.extend(stress.iter().map(|s| *s as f32));
+                sample.contact.extend(graph.face.iter().flat_map(|i| single(&force[*i as usize])));
             }
-            sample.travel.extend(&data.travel[k * pads..(k + 1) * pads]);
+            // The travel counts from the first contact of the canonical pads.
+            let position = &data.finger_position[k * pads..(k + 1) * pads];
+            sample.travel.extend(position.iter().zip(&touch.travel).map(|(now, first)| now - first));
             let Pose { position, rotation } = Pose::from_row(&data.object_pose[7 * k..]);
             let now = Pose { position, rotation };
             for finger in &model.fingers {

@@ -57,6 +57,11 @@ impl Stencils {
         Self(points.iter().map(|p| tets.stencil(*p)).collect())
     }
 
+    /// Returns the nodes and the values of their shape functions, for each point.
+    pub fn rows(&self) -> &[Vec<(u32, f64)>] {
+        &self.0
+    }
+
     /// Returns the values at the points of a field with `nodal` values.
     pub fn of<T: Copy + Mul<f64, Output = T> + Sum>(&self, nodal: &[T]) -> Vec<T> {
         self.0.iter().map(|stencil| stencil.iter().map(|(n, w)| nodal[*n as usize] * *w).sum()).collect()

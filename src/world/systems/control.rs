@@ -3,6 +3,8 @@
 use crate::components::{FingerForce, FingerTravel, ObjectPose, ObjectWeight};
 use crate::schedule::{ForceCommand, GraspPose, NextPhase, Phase, SharedModel, StepLoad, StepReport};
 use bevy_ecs::prelude::*;
+use glam::DVec3;
+use model::Model;
 
 /// Places the object at its grasp pose in the open hand.
 pub fn place_object(
@@ -29,22 +31,25 @@ pub fn refuse_weight(
     mut next: ResMut<NextPhase>,
     weight: Single<&ObjectWeight>,
 ) {
-    let model = &shared.0;
+    if *phase == Phase::Place
+        && let Some(reason) = excessive_weight(&shared.0, weight.0)
+    {
+        next.request(Phase::Infeasible { reason });
+    }
+}
+
+/// Returns why a squeeze cannot carry this weight, N, hand frame, along the closing direction; None if it can.
+pub fn excessive_weight(model: &Model, weight: DVec3) -> Option<String> {
     let squeezed = model.force_driven && model.dynamics.is_none();
-    if *phase != Phase::Place || !squeezed {
-        return;
-    }
-    let Some(finger) = model.fingers.first() else { return };
-    let along = weight.0.dot(finger.placement.closing).abs();
+    let finger = model.fingers.first().filter(|_| squeezed)?;
+    let along = weight.dot(finger.placement.closing).abs();
     let total = model.levels.last().copied().unwrap_or(0.0) * model.fingers.len() as f64;
-    if along > total {
-        next.request(Phase::Infeasible {
-            reason: format!(
-                "gravity acts on the object with {along:.3} N along the closing direction; fingers that squeeze it \
-                 with {total:.3} N in total cannot support it: increase the force, or rotate the hand or gravity"
-            ),
-        });
-    }
+    (along > total).then(|| {
+        format!(
+            "gravity acts on the object with {along:.3} N along the closing direction; fingers that squeeze it with \
+             {total:.3} N in total cannot support it: increase the force, or rotate the hand or gravity"
+        )
+    })
 }
 
 /// Sets the load of the frame that this step computes.

@@ -4,7 +4,7 @@
 pub mod apart;
 pub mod audit;
 pub mod contact_area;
-mod control;
+pub mod control;
 pub mod inversion;
 pub mod measure;
 mod record;

@@ -26,37 +26,39 @@ pub fn close_to_contact(
         return;
     }
     let model = &shared.0;
-    if let Some(dynamics) = &model.dynamics {
-        let meets = if dynamics.squeezes() { geared_travel(model, &pose.0) } else { Ok(0.0) };
-        let apart = |t| check_pad_overlap(model, &vec![t; model.fingers.len()]).map(|()| t);
-        match meets.and_then(apart) {
-            Ok(t) => fingers.iter_mut().for_each(|(_, mut now, mut first)| (now.0, first.0) = (t, t)),
-            Err(reason) => return next.request(Phase::Infeasible { reason }),
-        }
-        return next.request(Phase::Ramp { frame: 0 });
-    }
-    let mut travel = Vec::new();
-    for index in 0..model.fingers.len() {
-        match travel_to_contact(model, index, &pose.0, model.offset) {
-            Ok(t) => travel.push(t),
-            Err(reason) => return next.request(Phase::Infeasible { reason }),
-        }
-    }
-    pose.0.position += center_object(model, &mut travel);
-    if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
-        let (t, stroke) = (t * 1e3, model.stroke * 1e3);
-        let name = pad_name(index);
-        let reason =
-            format!("the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm");
-        return next.request(Phase::Infeasible { reason });
-    }
-    if let Err(reason) = check_pad_overlap(model, &travel) {
-        return next.request(Phase::Infeasible { reason });
-    }
+    let travel = match first_contact(model, &mut pose.0) {
+        Ok(travel) => travel,
+        Err(reason) => return next.request(Phase::Infeasible { reason }),
+    };
     for (index, mut now, mut first) in &mut fingers {
         (now.0, first.0) = (travel[index.0 as usize], travel[index.0 as usize]);
     }
     next.request(Phase::Ramp { frame: 0 });
+}
+
+/// Returns the travel of every finger until its undeformed pad touches the object, m; a free object is moved to the
+/// centre between them. Geared fingers of a dynamic scene stop when the first pad touches the object, or do not move.
+///
+/// # Errors
+/// Fails if a pad overlaps the object in the open hand, a finger does not reach the object, or the pads overlap each
+/// other; the message states which.
+pub fn first_contact(model: &Model, pose: &mut Pose) -> Result<Vec<f64>, String> {
+    if let Some(dynamics) = &model.dynamics {
+        let meets = if dynamics.squeezes() { geared_travel(model, pose) } else { Ok(0.0) };
+        let travel = vec![meets?; model.fingers.len()];
+        return check_pad_overlap(model, &travel).map(|()| travel);
+    }
+    let each = (0..model.fingers.len()).map(|index| travel_to_contact(model, index, pose, model.offset));
+    let mut travel = each.collect::<Result<Vec<f64>, String>>()?;
+    pose.position += center_object(model, &mut travel);
+    if let Some((index, t)) = travel.iter().enumerate().find(|(_, t)| **t > model.stroke) {
+        let (t, stroke) = (t * 1e3, model.stroke * 1e3);
+        let name = pad_name(index);
+        return Err(format!(
+            "the {name} finger would touch the object after {t:.1} mm, beyond its `stroke` of {stroke:.1} mm"
+        ));
+    }
+    check_pad_overlap(model, &travel).map(|()| travel)
 }
 
 /// Equalises the travels at which two fingers touch a free object; returns the displacement of the object to the
