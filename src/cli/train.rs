@@ -30,6 +30,9 @@ pub struct TrainArgs {
     /// name is OBJECT or begins with `OBJECT-`.
     #[arg(long, default_value = "poses")]
     pub split: String,
+    /// Model whose weights the training starts from, instead of random ones: a folder, or the name of a built-in model.
+    #[arg(long, value_name = "MODEL")]
+    pub from: Option<PathBuf>,
     /// Format of the report on stdout.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -53,7 +56,7 @@ pub fn train(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
 fn run(args: &TrainArgs, console: &dyn Console) -> Result<u8> {
     let spec = Spec::read(&args.model)?;
     let sets = args.data.iter().map(DataSet::open).collect::<Result<Vec<_>>>()?;
-    let mut trainer = Trainer::new(&sets, &spec, &args.split, &args.out)?;
+    let mut trainer = Trainer::new(&sets, &spec, &args.split, &args.out, args.from.as_deref())?;
     trainer.notices.iter().for_each(|notice| console.warn(&format!("note: {notice}")));
     let (training, validation) = trainer.counts();
     let resumed = trainer.epochs().len();

@@ -504,11 +504,11 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let spec: Spec = ron(SPEC);
     let other = dir.path().join("other");
     let mut checkpoints = Vec::new();
-    let mut trainer = Trainer::new(&[set(made)], &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other).unwrap();
+    let mut trainer = Trainer::new(&[set(made)], &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other, None).unwrap();
     trainer.run(|_| checkpoints.push(std::fs::read(other.join("checkpoint.bin")).unwrap())).unwrap();
     let again = dir.path().join("again");
     let mut own = Vec::new();
-    let mut trainer = Trainer::new(&[set(made)], &spec, "poses", &again).unwrap();
+    let mut trainer = Trainer::new(&[set(made)], &spec, "poses", &again, None).unwrap();
     trainer.run(|_| own.push(std::fs::read(again.join("checkpoint.bin")).unwrap())).unwrap();
     std::fs::write(begun.join("checkpoint.bin"), &own[1]).unwrap();
     let (ball, pose) = ball(made);
@@ -554,7 +554,7 @@ fn no_change_of_a_file_changes_an_answer_silently() {
             "data" => told(&data).map(|told| told == expected_told),
             "model" => answer().map(|answer| answer == expected_answer),
             "checkpoint" => {
-                let trainer = Trainer::new(&[set(made)], &spec, "poses", &begun).ok()?;
+                let trainer = Trainer::new(&[set(made)], &spec, "poses", &begun, None).ok()?;
                 // The checkpoint is named as damaged, and the training starts from the beginning.
                 let named = trainer.notices.iter().any(|n| n.contains("checkpoint.bin: is damaged"));
                 if named && trainer.epochs().is_empty() {

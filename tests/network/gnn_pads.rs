@@ -1,12 +1,15 @@
 //! One network for several pad designs: it is trained on all, admits designs within their range, and refuses others.
 
 use crate::gnn_made::SPEC;
+use glam::DVec3;
 use std::path::Path;
 use std::process::{Command, Output};
 use tactus::dataset::DataSet;
 use tactus::model::Model;
+use tactus::model::grasp::grasp_poses;
+use tactus::net::infer::predict::Predictor;
 use tactus::net::network::card::StoredModel;
-use tactus::scene::load;
+use tactus::scene::{from_ron, load};
 
 const UNIVERSE: &str = "Scene(
     universe: (objects: 6, grasps: 1, sensors: 3, seed: 2, families: [Sphere], heavy: 0, friction: (0.7, 0.9),
@@ -49,4 +52,45 @@ fn one_network_learns_from_pads_of_several_kinds() {
         error.contains("the length of its pads is ") && error.contains("times their thickness, the training range is"),
         "{error}"
     );
+}
+
+/// Positions of the nodes of the first pad with displacement and stress, and the travel, as the built-in network answers
+/// for `pads` around an ellipsoid at 8 N.
+fn answered(pads: &str) -> (Vec<(DVec3, DVec3, f64)>, f64) {
+    let text = format!(
+        "(object: (shape: Ellipsoid(radii: (0.03, 0.02, 0.016))), gripper: (pads: {pads}, friction: 0.8, opening: 0.08),
+          loading: Squeeze(force: 8.0, frames: 1))"
+    );
+    let scene = from_ron(&text).unwrap();
+    let model = Model::build(&scene).unwrap();
+    let predictor = Predictor::open(Path::new("universe")).unwrap();
+    let canonical = predictor.pads_if_in_range(&model, false).unwrap();
+    let touch = canonical.first_contact(grasp_poses(&scene).unwrap()[0]).unwrap();
+    let state = predictor.at(&predictor.encode_first_contact(&canonical, &touch), 4.0).unwrap();
+    let pad = &state.pads[0];
+    let nodes = model.fingers[0].topology.rest.iter().zip(&pad.displacement).zip(&pad.stress);
+    (nodes.map(|((x, u), s)| (*x, *u, *s)).collect(), touch.travel[0] + pad.travel)
+}
+
+/// At nodes that two meshes have in common, displacement, stress and travel agree within 1 % (L2; of the travel since
+/// contact), for a flat pad, a dome and a disc.
+#[test]
+fn two_meshes_of_one_pad_get_one_answer() {
+    for (shape, meshes) in [
+        ("Box(size: (0.024, 0.02, 0.004), MESH)", ["cells: (8, 8, 2)", "cells: (16, 16, 4)", "cells: (4, 4, 1)"]),
+        ("GelSightMini(shape: Domed, MESH)", ["spacing: 3e-3", "spacing: 1.5e-3", "spacing: 1.5e-3, focus: 2.0"]),
+        ("Disc(radius: 0.011, thickness: 0.004, MESH)", ["spacing: 2.6e-3", "spacing: 1.3e-3", "spacing: 2e-3"]),
+    ] {
+        let [first, others @ ..] = meshes.map(|mesh| answered(&shape.replace("MESH", mesh)));
+        for (other, travel) in others {
+            let shared = other.iter().filter_map(|(x, u, s)| {
+                let (_, v, r) = first.0.iter().find(|(y, ..)| x.distance(*y) < 1e-7)?;
+                Some([u.distance_squared(*v), v.length_squared(), (s - r).powi(2), r.powi(2)])
+            });
+            let shared: Vec<[f64; 4]> = shared.collect();
+            let sum = |k: usize| shared.iter().map(|row| row[k]).sum::<f64>();
+            let off = [(sum(0) / sum(1)).sqrt(), (sum(2) / sum(3)).sqrt(), (travel / first.1 - 1.0).abs()];
+            assert!(shared.len() > 20 && off.iter().all(|off| *off < 0.01), "{shape}: {off:?} at {}", shared.len());
+        }
+    }
 }

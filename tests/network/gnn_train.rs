@@ -91,7 +91,7 @@ fn the_gradient_of_a_whole_network_is_that_of_its_loss() {
         let direction: Vec<f64> = gradient.iter().map(|_| 2.0 * random.uniform() - 1.0).collect();
         let along: f64 = gradient.iter().zip(&direction).map(|(g, d)| g * d).sum();
         // A small step to avoid the kinks of ReLU.
-        let h = 1e-7;
+        let h = 1e-8;
         let difference = (case.along(&direction, h) - case.along(&direction, -h)) / (2.0 * h);
         let error = (difference - along).abs() / along.abs();
         assert!(error < 1e-6, "f64: difference {difference}, gradient {along}, relative {error:.1e}");

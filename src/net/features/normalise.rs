@@ -76,6 +76,14 @@ impl Normaliser {
         self
     }
 
+    /// Extends the bounds to those of another normaliser of the same columns; mean and scale remain.
+    pub fn with_bounds_from(mut self, other: &Self) -> Self {
+        for ([low, high], [other_low, other_high]) in self.seen.iter_mut().zip(&other.seen) {
+            (*low, *high) = (low.min(*other_low), high.max(*other_high));
+        }
+        self
+    }
+
     /// Checks that the values of the field `name`, of `cols` columns, are valid. The error states what is wrong.
     pub(crate) fn check(&self, name: &str, cols: usize) -> Result<(), String> {
         let lengths = [self.mean.len(), self.scale.len(), self.seen.len()];

@@ -69,6 +69,10 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], fri
         Arch::new().dispatch(Step { iteration: &mut iteration, momentum });
     }
     for (load, (forces, additional_closing)) in done.iter_mut().enumerate() {
+        if part[load].iter().all(|part| *part == 0.0) {
+            continue;
+        }
+        forces.fill(DVec3::ZERO);
         for (k, i) in near.iter().enumerate().filter(|(_, i)| part[load][**i] > 0.0) {
             forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
         }
@@ -164,15 +168,20 @@ impl ProjectedGradient {
                 }
                 node.stiff[load] = stiff * part[k][load];
                 node.prescribed_depth[load] = at.prescribed_depth;
-                let pressure = at.force.dot(at.normal);
-                all.whole[load] += pressure;
                 for a in 0..3 {
                     node.prescribed_sliding[a][load] = at.prescribed_sliding[a];
-                    node.force[a][load] = at.force[a];
+                    node.force[a][load] = part[k][load] * at.force[a];
                 }
-                (0..2).for_each(|a| all.along[a][load] += at.force[a] - n[a] * pressure);
             }
             node.ahead = node.force;
+        }
+        // The force of nodes that do not take part passes to the others.
+        for (load, nodes) in face.iter().enumerate() {
+            for at in nodes {
+                let pressure = at.force.dot(at.normal);
+                all.whole[load] += pressure;
+                (0..2).for_each(|a| all.along[a][load] += at.force[a] - at.normal[a] * pressure);
+            }
         }
         let sums = Arch::new().dispatch(Sums { matrix: &all.matrix, part: &part });
         // The step size is the inverse of a bound on the largest eigenvalue of the scaled matrix.

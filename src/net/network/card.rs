@@ -34,6 +34,9 @@ pub struct Card {
     pub data: String,
     /// Split of the training.
     pub split: String,
+    /// Hash of the data sets of the model from which the training started; empty if it started from random weights.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub start: String,
     /// Number of training grasps.
     pub grasps: usize,
     /// Number of values in the weights.

@@ -53,6 +53,25 @@ pub struct Normalisers {
 }
 
 impl Normalisers {
+    /// Extends the bounds of the features to those of other statistics; everything else remains.
+    pub fn with_bounds_from(&self, other: &Self) -> Self {
+        let join = |own: &Normaliser, other: &Normaliser| own.clone().with_bounds_from(other);
+        let volume = self.volume.as_ref().zip(other.volume.as_ref()).map(|(own, other)| VolumeNormalisers {
+            node: join(&own.node, &other.node),
+            mesh: join(&own.mesh, &other.mesh),
+            contact: join(&own.contact, &other.contact),
+        });
+        Self {
+            node: join(&self.node, &other.node),
+            edge: join(&self.edge, &other.edge),
+            pad: join(&self.pad, &other.pad),
+            node_load: join(&self.node_load, &other.node_load),
+            pad_load: join(&self.pad_load, &other.pad_load),
+            volume,
+            ..self.clone()
+        }
+    }
+
     /// Checks that the statistics are valid, including those of the full pads if the network uses `whole` pads. The
     /// error states what is wrong.
     pub(crate) fn check(&self, whole: bool) -> Result<(), String> {

@@ -21,7 +21,7 @@ use super::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, Values, gradient
 use super::features::VERSION;
 use super::features::range::TrainedRange;
 use super::infer::predict::Predictor;
-use super::network::card::{CARD, Card};
+use super::network::card::{CARD, Card, StoredModel, WEIGHTS};
 use super::network::interval::{ErrorIndicators, PredictionInterval, ValidationErrors};
 use super::network::parameters::Parameters;
 use super::network::spec::{Spec, Training};
@@ -65,14 +65,24 @@ pub enum TrainingEnd {
 
 impl Trainer {
     /// Reads the training grasps of `split` in all of `sets`, and the state of an earlier run of the same plan in
-    /// `dir`. Locks `dir` until it is dropped.
+    /// `dir`. The weights start from those of the model `from`, whose statistics are kept and whose range is extended,
+    /// or from random ones. Locks `dir` until it is dropped.
     ///
     /// # Errors
-    /// Fails if the data cannot be used, and if the folder is locked by another training or holds another model.
-    pub fn new(sets: &[DataSet], spec: &Spec, split: &str, dir: &Path) -> Result<Self> {
+    /// Fails if the data cannot be used, if the folder is locked by another training or holds another model, and if the
+    /// network of `from` differs.
+    pub fn new(sets: &[DataSet], spec: &Spec, split: &str, dir: &Path, from: Option<&Path>) -> Result<Self> {
         // First of all, so that a model written meanwhile by another process is not overwritten at the end.
         let lock = FolderLock::exclusive(dir, "tactus train")?;
-        let (network, parameters) = build(&spec.network, Some(spec.training.seed));
+        let (network, mut parameters) = build(&spec.network, Some(spec.training.seed));
+        let start = from.map(StoredModel::read).transpose()?;
+        if let (Some(start), Some(path)) = (&start, from) {
+            if start.card.spec.network != spec.network {
+                let message = "contains another network than the model file: both need the same `network`";
+                return Err(Error::file(path, message));
+            }
+            parameters.load(&start.weights, &path.join(WEIGHTS))?;
+        }
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
         let (samples, range) = data::read(&all, &CanonicalPadList::new(network.layout()), spec.training.frames.get())?;
@@ -82,7 +92,12 @@ impl Trainer {
             ));
         }
         let (samples, validation) = data::split_validation(samples, spec.training.validation.get(), spec.training.seed);
-        let card = card(spec, sets, split, [&samples, &validation], range, &parameters);
+        let mut card = card(spec, sets, split, [&samples, &validation], range, &parameters);
+        if let Some(StoredModel { card: start, .. }) = start {
+            card.normalisers = start.normalisers.with_bounds_from(&card.normalisers);
+            card.range.extend(&start.range)?;
+            card.start = start.data;
+        }
         let adam = Adam::new(&parameters);
         let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
         let notices = lock.notice().into_iter().collect();
@@ -105,8 +120,8 @@ impl Trainer {
     /// Returns the plan: everything that determines the resulting weights.
     fn plan(&self) -> Result<String> {
         let spec = ron::to_string(&self.card.spec).map_err(|e| Error::Solver(e.to_string()))?;
-        let Card { tactus, features, data, split, .. } = &self.card;
-        Ok(format!("{tactus} features {features} {data} {split} {spec}"))
+        let Card { tactus, features, data, split, start, .. } = &self.card;
+        Ok(format!("{tactus} features {features} {data} {split} {start} {spec}"))
     }
 
     /// Returns the card of the model in training.
@@ -314,6 +329,7 @@ fn card(
         spec: spec.clone(),
         data: data::plan(sets),
         split: split.into(),
+        start: String::new(),
         grasps: samples.len(),
         parameters: parameters.count(),
         units: "displacement, travel, shift: m; stress: Pa; contact force: N; turn: rad; frame of each pad".into(),
