@@ -22,6 +22,11 @@ pub const NODE_LOAD: [Parity; 18] = [Even, Even, Even, X, Y, Even, Even, X, Y, X
 pub const PAD_LOAD: [Parity; 23] =
     [Even, Even, Even, Even, X, Y, X, Y, XY, Even, Even, X, Y, Even, Y, X, XY, X, Y, Even, Y, X, XY];
 
+/// Column of the fraction of the force in the projected contact, in [`NODE_LOAD`].
+pub const PROJECTED_FRACTION: usize = 6;
+/// Column of the effective contact area, in [`PAD_LOAD`].
+pub const CONTACT_AREA: usize = 3;
+
 /// Fraction of the force that regularises the ratio of tangential to normal force.
 const TANGENTIAL_REGULARISATION: f64 = 1e-3;
 /// Largest ratio of a tangential to a normal force: where the surface of the object is perpendicular to the face, it

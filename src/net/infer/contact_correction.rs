@@ -7,7 +7,7 @@ use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::object_motion::pose_after_motion;
 use crate::network::interval::ErrorIndicators;
-use geometry::Pose;
+use geometry::{Pose, Wrench};
 use glam::DVec3;
 use model::Model;
 
@@ -45,14 +45,24 @@ pub fn object_pose(model: &Model, touch: &GeometricContact, pads: &[PadState]) -
     if model.free { pose_after_motion(model, &touch.object, shift, turn) } else { touch.object }
 }
 
+/// Answer at a load that the travel is corrected for.
+pub(super) struct UncorrectedAnswer<'a> {
+    /// States of the pads, on the canonical mesh.
+    pub pads: &'a [PadState],
+    /// Load.
+    pub load: &'a GraspLoad,
+    /// Mean displacement of the pads, m.
+    pub depth: f64,
+    /// Fraction of the contact force that the network moved to other nodes.
+    pub moved_force: f64,
+    /// Effective contact area over the square of the thickness.
+    pub area: f64,
+}
+
 /// Returns the travel of each finger at which the force-weighted mean gap of its pressed nodes agrees with the contact
-/// law, and the error indicators of this answer, whose pads have the mean displacement `depth`, m.
-pub(super) fn corrected_travel(
-    features: &GraspFeatures,
-    pads: &[PadState],
-    load: &GraspLoad,
-    depth: f64,
-) -> (Vec<f64>, ErrorIndicators) {
+/// law, and the error indicators of this answer.
+pub(super) fn corrected_travel(features: &GraspFeatures, answer: &UncorrectedAnswer) -> (Vec<f64>, ErrorIndicators) {
+    let UncorrectedAnswer { pads, load, depth, moved_force, area } = *answer;
     let (model, t) = (&*features.model, features.graph.thickness);
     let object = object_pose(model, &features.first_contact, pads);
     let [_, turn] = mean_motion(model, pads);
@@ -80,7 +90,9 @@ pub(super) fn corrected_travel(
     }
     let ratio = |value: f64| value / depth.max(f64::MIN_POSITIVE);
     let [mismatch, hidden] = [mismatch, hidden].map(|sum| ratio(sum / f64::max(force, f64::MIN_POSITIVE)));
-    let pushed = load.push.force.length() + load.push.torque.length();
+    let Wrench { force: carried, torque } = features.equilibrium.load_about_centre(load);
+    let carried = carried.length() + torque.length();
+    let changed = by.iter().map(|by| by.abs()).sum::<f64>() / by.len().max(1) as f64;
     let signs = [
         1.0,
         (mismatch + LEAST).ln(),
@@ -88,7 +100,10 @@ pub(super) fn corrected_travel(
         (depth / t).max(LEAST).ln(),
         turn.length().min(1.0),
         hidden.min(1.0),
-        (pushed / load.force.max(f64::MIN_POSITIVE)).min(1.0),
+        (carried / load.force.max(f64::MIN_POSITIVE)).min(1.0),
+        (moved_force + LEAST).ln(),
+        (ratio(changed) + LEAST).ln(),
+        area.max(LEAST).ln(),
     ];
     (pads.iter().zip(&by).map(|(pad, by)| pad.travel + by).collect(), signs)
 }

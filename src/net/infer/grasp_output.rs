@@ -1,10 +1,10 @@
 //! Output of the network for a grasp at some loads, converted to SI on request.
 
-use super::contact_correction::corrected_travel;
+use super::contact_correction::{UncorrectedAnswer, corrected_travel};
 pub use super::output_arrays::OutputArrays;
 use super::predicted_state::{GraspState, PadState};
 use crate::features::GraspFeatures;
-use crate::features::loads::LoadFeatures;
+use crate::features::loads::{CONTACT_AREA, LoadFeatures, NODE_LOAD, PAD_LOAD, PROJECTED_FRACTION};
 use crate::linear_response::pad_graph::PadGraph;
 use crate::network::Normalisers;
 use crate::network::interval::{ErrorIndicators, PredictionInterval};
@@ -101,6 +101,25 @@ impl GraspOutput {
         self.loads.travel[at] + self.loads.depth[at] * (mean + scale * f64::from(self.out.travel[at]))
     }
 
+    /// Returns the fraction of the pressing force that the network moved from the nodes of the projected contact to
+    /// others, mean over the pads.
+    fn moved_force(&self, level: usize) -> f64 {
+        let face = self.graph.face.len();
+        let of = |pad: usize| {
+            let at = level * self.pads + pad;
+            let projected = block(&self.loads.node, at, NODE_LOAD.len() * face).chunks_exact(NODE_LOAD.len());
+            let own = block(&self.out.contact, at, 3 * face).as_chunks::<3>().0;
+            own.iter().zip(projected).map(|(own, row)| f64::from((own[0] - row[PROJECTED_FRACTION]).abs())).sum::<f64>()
+        };
+        0.5 * (0..self.pads).map(of).sum::<f64>() / self.pads as f64
+    }
+
+    /// Returns the effective contact area over the square of the thickness, mean over the pads.
+    fn contact_area(&self, level: usize) -> f64 {
+        let of = |pad: usize| f64::from(block(&self.loads.pad, level * self.pads + pad, PAD_LOAD.len())[CONTACT_AREA]);
+        (0..self.pads).map(of).sum::<f64>() / self.pads as f64
+    }
+
     /// Moves the fingers to where the predicted faces touch the object, so that the travel is consistent with
     /// displacement field and pose. The remaining mismatch is an error indicator.
     pub(crate) fn correct_travel(&mut self, features: &GraspFeatures) {
@@ -109,7 +128,9 @@ impl GraspOutput {
             let pads = self.canonical_pads(level);
             let depth =
                 self.loads.depth[level * self.pads..(level + 1) * self.pads].iter().sum::<f64>() / self.pads as f64;
-            corrected_travel(features, &pads, &self.loads.load[level], depth)
+            let (moved_force, area) = (self.moved_force(level), self.contact_area(level));
+            let load = &self.loads.load[level];
+            corrected_travel(features, &UncorrectedAnswer { pads: &pads, load, depth, moved_force, area })
         };
         let corrected: Vec<(Vec<f64>, ErrorIndicators)> = (0..levels).into_par_iter().map(of).collect();
         self.travel = corrected.iter().flat_map(|(travel, _)| travel).copied().collect();
