@@ -1,7 +1,7 @@
 """PPO (Schulman et al. 2017), after CleanRL: trains on the network, optionally continues on finite elements, and
 evaluates on held-out seeds, compared with constant forces and a random policy (`referee.py`).
 
-    python python/examples/ppo.py scenes/tasks/hold.ron --model out/tasks_model --out out/ppo/hold
+    python python/examples/ppo.py scenes/tasks/hold.ron --model universe --out out/ppo/hold
 """
 
 import csv

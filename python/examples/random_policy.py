@@ -1,6 +1,6 @@
 """Environment steps per second with a random policy.
 
-    python examples/random_policy.py ../scenes/tasks/hold.ron --model out/tasks_model --envs 64 --seconds 10
+    python examples/random_policy.py ../scenes/tasks/hold.ron --model universe --envs 64 --seconds 10
 """
 
 import argparse

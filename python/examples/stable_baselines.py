@@ -1,6 +1,6 @@
 """PPO of Stable-Baselines3: trains on the network, optionally continues on finite elements, evaluates as `ppo.py` does.
 
-    python python/examples/stable_baselines.py scenes/tasks/hold.ron --model out/tasks_model --out out/sb3/hold
+    python python/examples/stable_baselines.py scenes/tasks/hold.ron --model universe --out out/sb3/hold
 """
 
 import csv

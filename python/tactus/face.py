@@ -1,7 +1,7 @@
 """PyTorch implementation of the face network, with the same weights and operations as `src/net/network/face.rs`.
 
 `pad` and `grasp` are the arrays of `src/net/infer/inputs.rs`, those of `grasp` with the grasps as first dimension. `G`
-grasps, `L` loads, `P` pads, `n` nodes per face, `N` nodes per pad.
+grasps, `L` loads, `P` pads, `n` nodes per face and `N` nodes per pad of their canonical mesh.
 """
 
 from __future__ import annotations
@@ -34,6 +34,19 @@ def hung(channels: Tensor, width: int, pad: Arrays) -> Tensor:
     channels = channels.reshape(*channels.shape[:-2], -1, width)
     index, weight = pad["hang"].unbind(1), pad["hang_weight"].unbind(1)
     return torch.stack([w[:, None] * channels[..., i, :] for i, w in zip(index, weight)]).sum(0)
+
+
+def at_scene(displacement: Tensor, stress: Tensor, force: Tensor, pad: Arrays) -> tuple[Tensor, Tensor, Tensor]:
+    """Transfers fields from the canonical nodes of the pads (..., N, 3), (..., N), (..., N, 3) to those of the mesh of the
+    scene."""
+    if "scene_nodes" not in pad:
+        return displacement, stress, force
+    index, weight = pad["scene_nodes"].unbind(1), pad["scene_weight"].unbind(1)
+    moved = torch.stack([w[:, None] * displacement[..., i, :] for i, w in zip(index, weight)]).sum(0)
+    stress = torch.stack([w * stress[..., i] for i, w in zip(index, weight)]).sum(0).clamp(min=0)
+    to, source = pad["scene_forces"].unbind(1)
+    parts = force[..., source, :] * pad["scene_fraction"][:, None]
+    return moved * pad["scene_free"][:, None], stress, torch.zeros_like(moved).index_add(-2, to, parts)
 
 
 class FaceNetwork(nn.Module):
@@ -129,14 +142,12 @@ class FaceNetwork(nn.Module):
         return given, torch.sqrt(3 * (a * a + b * b + a * b + c * c + d * d + e * e) + LEAST)
 
     def forward(self, pad: Arrays, grasp: Arrays) -> tuple[Tensor, Tensor, Tensor]:
-        """Returns displacement, m (G, L, P, N, 3), von Mises stress, Pa (G, L, P, N), and contact force, N
-        (G, L, P, N, 3), in the pad frames."""
+        """Returns displacement, m (G, L, P, M, 3), von Mises stress, Pa (G, L, P, M), and contact force, N
+        (G, L, P, M, 3), in the pad frames, at the `M` nodes of the mesh of the scene."""
         out = self.decode(pad, grasp, self.encode(pad, grasp))
         depth, (length, stress) = grasp["depth_m"][..., None], pad["units"].unbind()
         against, x, y = out["contact"].unbind(-1)
         force = torch.stack([x, y, -against], -1) * grasp["pressing_n"][..., None, None]
-        return (
-            out["displacement"] * (length * depth[..., None]),
-            out["stress"] * (stress * pad["young_pa"] / pad["thickness_m"] * depth),
-            torch.zeros_like(out["displacement"]).index_add(3, pad["face"], force),
-        )
+        displacement = out["displacement"] * (length * depth[..., None])
+        stress = out["stress"] * (stress * pad["young_pa"] / pad["thickness_m"] * depth)
+        return at_scene(displacement, stress, torch.zeros_like(displacement).index_add(3, pad["face"], force), pad)

@@ -10,10 +10,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-# Replacements of text in snippets. The scene's backend replaces networks, which would have to be trained first.
+# Replacements of text in snippets.
 STAND_INS = {
     '"scenes/': f'"{ROOT.as_posix()}/scenes/',
-    ', model="out/tasks_model"': "",
     ".ron\", 64": '.ron", 2',
     "num_envs=1024": "num_envs=2",
     "num_envs=64": "num_envs=2",

@@ -41,6 +41,11 @@ impl FieldTransfer {
         &self.nodes
     }
 
+    /// Returns the flags of the target: true if a node is bonded.
+    pub fn bonded(&self) -> &[bool] {
+        &self.bonded
+    }
+
     /// Returns the entries (node of the target, node of the source, fraction of its force).
     pub fn forces(&self) -> &[(u32, u32, f64)] {
         &self.forces

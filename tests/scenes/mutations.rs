@@ -22,7 +22,7 @@ const SIGXCPU: i32 = 24;
 /// Wall time limit of a child, for hangs that use no processor time.
 const HANG: Duration = Duration::from_secs(600);
 /// Scenes with too many grasps to check all of them here.
-const LARGE: [&str; 5] = ["paper.ron", "paper_small.ron", "data.ron", "second_sensor.ron", "shapes.ron"];
+const LARGE: [&str; 4] = ["paper.ron", "paper_small.ron", "second_sensor.ron", "shapes.ron"];
 
 /// Draws one of `choices`.
 fn of<'a>(random: &mut Random, choices: &[&'a str]) -> &'a str {

@@ -108,7 +108,8 @@ impl SceneInputs {
 
     /// Returns the inputs shared by all grasps.
     pub fn pad(&self) -> PadInputs {
-        pad_inputs(&self.pads.graph, self.pads.model.material.moduli().young, &self.predictor.card.normalisers)
+        let young = self.pads.model.material.moduli().young;
+        pad_inputs(&self.pads.graph, young, &self.predictor.card.normalisers).with_scene(&self.pads)
     }
 
     /// Returns for each of `grips` its inputs, and their derivatives along `changes`: with respect to the logarithm of

@@ -1,12 +1,14 @@
 //! Inputs of the face network as named plain arrays: all that a second implementation needs to compute the same
 //! outputs.
 //!
-//! Features are normalised. Sizes: `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
+//! Features are normalised. All nodes are those of the canonical mesh ([`crate::linear_response::canonical_pads`]). Sizes:
+//! `P` pads, `n` nodes and `E` edges of a face, `N` nodes of a pad, `L` loads.
 
 use crate::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use crate::features::normalise::Normaliser;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD, Parity, edge_features};
 use crate::linear_response::balance::{EQUATIONS, ObjectBalance};
+use crate::linear_response::canonical_pads::CanonicalPads;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::network::Normalisers;
 use std::sync::Arc;
@@ -77,6 +79,29 @@ pub fn pad_inputs(graph: &PadGraph, young: f64, normalisers: &Normalisers) -> Pa
             Array::new("young_pa", &[1], vec![young as f32]),
             Array::new("thickness_m", &[1], vec![graph.thickness as f32]),
         ],
+    }
+}
+
+impl PadInputs {
+    /// Adds the map from the canonical nodes to the `M` nodes of the mesh of the scene, unless both meshes are equal:
+    /// `scene_nodes`, `scene_weight` (M, k): canonical nodes and their weights in displacement and stress; `scene_free`
+    /// (M): zero where bonded; `scene_forces` (E, 2), `scene_fraction` (E): node of the scene, canonical node, and the
+    /// fraction of its contact force.
+    pub fn with_scene(mut self, pads: &CanonicalPads) -> Self {
+        let Some(map) = pads.to_scene() else { return self };
+        let rows = map.stencils().rows();
+        let wide = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let filled = rows.iter().flat_map(|row| row.iter().copied().chain(std::iter::repeat((0, 0.0))).take(wide));
+        let (nodes, weights): (Vec<u32>, Vec<f32>) = filled.map(|(node, weight)| (node, weight as f32)).unzip();
+        let free: Vec<f32> = map.bonded().iter().map(|bonded| f32::from(u8::from(!bonded))).collect();
+        let pairs: Vec<u32> = map.forces().iter().flat_map(|(to, from, _)| [*to, *from]).collect();
+        let fractions: Vec<f32> = map.forces().iter().map(|(.., part)| *part as f32).collect();
+        self.indices.push(Array::new("scene_nodes", &[rows.len(), wide], nodes));
+        self.indices.push(Array::new("scene_forces", &[fractions.len(), 2], pairs));
+        self.numbers.push(Array::new("scene_weight", &[rows.len(), wide], weights));
+        self.numbers.push(Array::new("scene_free", &[free.len()], free));
+        self.numbers.push(Array::new("scene_fraction", &[fractions.len()], fractions));
+        self
     }
 }
 
