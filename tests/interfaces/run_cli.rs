@@ -255,11 +255,11 @@ fn check_ends_with_what_is_absurd() {
 #[test]
 fn a_refused_run_leaves_nothing_behind() {
     let dir = tempfile::tempdir().unwrap();
-    // The pads are outside the training range of the network.
     let (scene, out) = (write(dir.path(), 1, ""), dir.path().join("out"));
     let run =
         |options: &[&str]| tactus(&[&["run", scene.to_str().unwrap(), "-o", out.to_str().unwrap()], options].concat());
-    let refused = run(&["--backend", "gnn"]);
+    // The force is outside the training range of the network.
+    let refused = run(&["--backend", "gnn", "--force", "200"]);
     assert_eq!(refused.status.code(), Some(2), "{}", String::from_utf8_lossy(&refused.stdout));
     assert!(!out.exists(), "a refused run leaves no folder");
     let ran = run(&["--force", "1"]);
