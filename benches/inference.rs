@@ -18,6 +18,7 @@ use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::edges::Edges;
+use tactus::net::infer::response::RequiredFields;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::linear_response::{GraspLoad, frame_loads};
@@ -92,7 +93,7 @@ impl Case {
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
         let decode = |loads| {
             drop(black_box(
-                self.engine.decode(&[DecodeRequest { features: &self.features, code: &code, loads }], true),
+                self.engine.decode(&[DecodeRequest { features: &self.features, code: &code, loads }], RequiredFields::ALL),
             ));
         };
         [encode, best(|| self.pieces.iter().for_each(decode))]

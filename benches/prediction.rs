@@ -15,6 +15,7 @@ use tactus::net::features::GraspFeatures;
 use tactus::net::infer::load_interpolation::LoadInterpolation;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::infer::{DecodeRequest, FaceEngine};
+use tactus::net::infer::response::RequiredFields;
 use tactus::net::linear_response::{GraspLoad, frame_loads};
 use tactus::net::network::spec::NetworkSpec;
 use tactus::scene::load;
@@ -75,7 +76,7 @@ fn stages() -> Result<Vec<Stage>> {
     let [mut balance, mut decode, mut answer] = [f64::INFINITY; 3];
     for _ in 0..4 {
         balance = balance.min(best(|| drop(black_box(features.loads(&few)))));
-        decode = decode.min(best(|| drop(black_box(engine.decode(&[decoding], true)))));
+        decode = decode.min(best(|| drop(black_box(engine.decode(&[decoding], RequiredFields::ALL)))));
         answer = answer.min(best(|| drop(black_box(predictor.decode(&seen, &few)))));
     }
     let states = best(|| (0..all.len()).for_each(|load| drop(black_box(ramp.at(load)))));

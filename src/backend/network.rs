@@ -177,7 +177,7 @@ impl Prediction {
         if self.grasp.as_ref().is_some_and(|(known, _)| *known == contact) {
             return;
         }
-        let seen = self.predictor.encode_first_contact(&self.canonical, &contact).without_unneeded_stress();
+        let seen = self.predictor.encode_first_contact(&self.canonical, &contact).with_needed_fields();
         self.grasp = Some((contact, seen));
         (self.ahead, self.interpolation) = (None, OnceLock::new());
     }

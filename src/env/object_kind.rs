@@ -51,8 +51,8 @@ impl ObjectKind {
             }
             let mut model = Model::build(&scene)?;
             if let Some(model) = Arc::get_mut(&mut model) {
-                // `shape` (smallest det F and gap of a prediction) is needed for reports only.
-                (model.needs.task, model.needs.shape) = (true, false);
+                // `shape` (smallest det F and gap of a prediction) and the interior of the pads are needed for reports only.
+                (model.needs.task, model.needs.shape, model.needs.interior) = (true, false, false);
                 model.needs.observe(&task.observe);
                 model.max_drift = Some(DRIFT_FACTOR * task.slip_limit.get());
                 let share = 1.0 / model.fingers.len() as f64;

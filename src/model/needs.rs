@@ -24,6 +24,8 @@ pub struct Needs {
     pub gravity: bool,
     /// Smallest det F and gap of a network's prediction: reported by a run.
     pub shape: bool,
+    /// Displacement that a network predicts below the sensing faces: recorded by a run.
+    pub interior: bool,
     /// Independent audit of every frame: an expected result requires it.
     pub audit: bool,
     /// Velocities, pose of the hand and time: the loading is dynamic.
@@ -52,6 +54,7 @@ impl Needs {
             tactile: !scene.record.tactile.is_empty(),
             slip: false,
             shape: true,
+            interior: true,
             contact_area: false,
             pads_apart: scene.gripper.fingers == Fingers::Both,
             audit: expectations.iter().any(Expectation::needs_audit),

@@ -4,6 +4,7 @@ use crate::gnn_made::{ball, made};
 use crate::keep::Keep;
 use glam::DVec3;
 use std::path::Path;
+use std::sync::Arc;
 use tactus::backend::choose;
 use tactus::geometry::Pose;
 use tactus::model::Model;
@@ -189,5 +190,34 @@ fn many_grasps_are_those_of_each_alone() {
     assert_eq!(states(2, &poses), all);
     for k in [0, 7, 8, 20] {
         assert_eq!(states(1, &poses[k..=k])[0], all[k], "grasp {k}");
+    }
+}
+
+/// An environment requires neither stress nor the interior of the pads: what it gets are the same bits.
+#[test]
+fn fields_that_a_scene_does_not_need_are_left_out_and_the_others_stay() {
+    let predictor = Predictor::open(&made().model).unwrap();
+    let (model, pose) = ball(made());
+    let answer = |model: &Arc<Model>| {
+        let pads = predictor.pads_if_in_range(model, false).unwrap();
+        let seen = predictor.encode_first_contact(&pads, &pads.first_contact(pose).unwrap()).with_needed_fields();
+        (pads.graph.clone(), predictor.states(&seen, &FORCES.map(GraspLoad::from)).unwrap())
+    };
+    let with = |needed: bool| {
+        let mut model = (*model).clone();
+        (model.needs.stress, model.needs.interior) = (needed, needed);
+        // On the mesh of the canonical pads, so that nodes are comparable.
+        let pads = predictor.pads_if_in_range(&Arc::new(model.clone()), false).unwrap();
+        Arc::new(Model { fingers: pads.model.fingers.clone(), ..model })
+    };
+    let ((graph, whole), (_, needed)) = (answer(&with(true)), answer(&with(false)));
+    for (a, b) in whole.iter().zip(&needed).flat_map(|(a, b)| a.pads.iter().zip(&b.pads)) {
+        assert!(b.stress.is_empty() && !a.stress.is_empty());
+        assert_eq!((a.travel, &a.contact, a.translation), (b.travel, &b.contact, b.translation));
+        for node in 0..a.displacement.len() {
+            let on_face = graph.face.contains(&(node as u32));
+            let expected = if on_face { a.displacement[node] } else { DVec3::ZERO };
+            assert_eq!(b.displacement[node], expected, "node {node}");
+        }
     }
 }

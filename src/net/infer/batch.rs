@@ -56,7 +56,7 @@ impl Predictor {
             let encoded: Vec<EncodedGrasp> = touches
                 .iter()
                 .flatten()
-                .map(|touch| self.encode_first_contact(&pads, touch).without_unneeded_stress())
+                .map(|touch| self.encode_first_contact(&pads, touch).with_needed_fields())
                 .collect();
             let mut ramps =
                 LoadInterpolation::decode_batch(self, &encoded.iter().collect::<Vec<_>>(), &loads).into_iter();

@@ -5,7 +5,7 @@ use super::latent_code::LatentCode;
 use super::message::{BLOCK, IncomingEdges, MessageSizes, NodeUpdate, NormLinear, norm_linear, update_nodes};
 use super::output_arrays::OutputArrays;
 use super::padded_rows::{concatenate_columns, multiply, padded_row};
-use super::response::{self, linear_response};
+use super::response::{self, RequiredFields, linear_response};
 use crate::features::loads::LoadFeatures;
 use crate::features::{EDGE, GraspFeatures, NODE, PAD};
 use crate::matrix::activation::Act;
@@ -230,9 +230,9 @@ impl FaceEngine {
         multiply(rows, &pools.weights, false, Some(&pools.bias), Act::Gated, out);
     }
 
-    /// Computes the outputs of grasps on pads of one graph, each at some loads, in the units of the network; stress is
-    /// empty if not required. The response of the pads is read once for all of them.
-    pub fn decode(&self, grasps: &[DecodeRequest], stress: bool) -> Vec<OutputArrays> {
+    /// Computes the outputs of grasps on pads of one graph, each at some loads, in the units of the network, as far as they
+    /// are required. The response of the pads is read once for all of them.
+    pub fn decode(&self, grasps: &[DecodeRequest], fields: RequiredFields) -> Vec<OutputArrays> {
         let Some(graph) = grasps.first().map(|grasp| &grasp.features.graph) else { return Vec::new() };
         let n = graph.face.len();
         let mut own = self.acquire_workspace();
@@ -248,7 +248,7 @@ impl FaceEngine {
         let scales: Vec<Vec<f32>> = grasps.iter().map(|grasp| grasp.loads.scale(grasp.features)).collect();
         let items =
             all.iter().zip(&scales).flat_map(|(c, scales)| c.contact.chunks_exact(3 * n).zip(scales.iter().copied()));
-        let given = linear_response(graph, &items.collect::<Vec<_>>(), stress, memory);
+        let given = linear_response(graph, &items.collect::<Vec<_>>(), fields, memory);
         let mut first = 0;
         let mut outputs = Vec::with_capacity(grasps.len());
         for (scales, channels) in scales.iter().zip(all.iter_mut()) {

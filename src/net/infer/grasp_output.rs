@@ -1,5 +1,6 @@
 //! Output of the network for a grasp at some loads, converted to SI on request.
 
+use super::response::RequiredFields;
 use super::contact_correction::{UncorrectedAnswer, corrected_travel};
 pub use super::output_arrays::OutputArrays;
 use super::predicted_state::{GraspState, PadState};
@@ -23,8 +24,7 @@ pub struct GraspOutput {
     /// Map of the fields to the mesh of the scene; None if it is the canonical one.
     pub(crate) to_scene: Option<Arc<FieldTransfer>>,
     pub(crate) pads: usize,
-    /// Flag: stress is required.
-    pub(crate) stress: bool,
+    pub(crate) fields: RequiredFields,
     /// Young's modulus of the gel, Pa.
     pub(crate) young: f64,
     /// Unit of force of the network, N.
@@ -52,7 +52,7 @@ impl GraspOutput {
     pub(crate) fn is_finite(&self, level: usize) -> bool {
         let (out, loads) = (&self.out, &self.loads);
         let (nodes, face) = (self.graph.node_count, self.graph.face.len());
-        let stressed = if self.stress { nodes } else { 0 };
+        let stressed = if self.fields.stress { nodes } else { 0 };
         (level * self.pads..(level + 1) * self.pads).all(|at| {
             let fields = [
                 block(&out.displacement, at, 3 * nodes),
@@ -158,7 +158,7 @@ pub(crate) fn linear_combination(parts: &[(&GraspOutput, usize, f64)]) -> GraspS
 
 fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {
     let (nodes, stressed) = parts.first().map_or((0, 0), |(answer, ..)| {
-        (answer.graph.node_count, if answer.stress { answer.graph.node_count } else { 0 })
+        (answer.graph.node_count, if answer.fields.stress { answer.graph.node_count } else { 0 })
     });
     let mut state = PadState {
         displacement: vec![DVec3::ZERO; nodes],
@@ -176,7 +176,11 @@ fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {
         let depth = loads.depth[at] * weight;
         let unit = depth * f64::from(norms.displacement);
         let moved = block(&out.displacement, at, 3 * nodes).as_chunks().0;
-        state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
+        if answer.fields.interior {
+            state.displacement.iter_mut().zip(moved).for_each(|(u, v)| *u += vector(v) * unit);
+        } else {
+            graph.face.iter().for_each(|i| state.displacement[*i as usize] += vector(&moved[*i as usize]) * unit);
+        }
         let unit = answer.young * depth / t * f64::from(norms.stress);
         let stress = block(&out.stress, at, stressed);
         state.stress.iter_mut().zip(stress).for_each(|(s, v)| *s += f64::from(*v) * unit);

@@ -1,6 +1,7 @@
 //! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
 use super::face::{DecodeRequest, FaceEngine};
+use super::response::RequiredFields;
 use super::grasp_output::GraspOutput;
 use super::latent_code::LatentCode;
 use super::output_arrays::OutputArrays;
@@ -47,16 +48,18 @@ pub struct EncodedGrasp {
     code: Encoded,
     /// Map of the fields to the mesh of the scene; None if it is the canonical one.
     to_scene: Option<Arc<FieldTransfer>>,
-    /// Flag: stress is required.
-    stress: bool,
+    fields: RequiredFields,
     /// Flag: the grasp is within the range of the training, apart from its forces.
     in_trained_range: bool,
 }
 
 impl EncodedGrasp {
-    /// Disables stress if its scene does not require it; it is then empty in all answers.
-    pub fn without_unneeded_stress(self) -> Self {
-        Self { stress: self.features.model.needs.stress, ..self }
+    /// Omits the fields that its scene does not require: stress is then empty in all answers, and the displacement below
+    /// the sensing faces zero.
+    pub fn with_needed_fields(self) -> Self {
+        let needs = &self.features.model.needs;
+        let fields = RequiredFields { stress: needs.stress, interior: needs.stress || needs.interior };
+        Self { fields, ..self }
     }
 
     /// Returns the model of the grasp.
@@ -175,7 +178,7 @@ impl Predictor {
             None => Encoded::Tensors(self.forward().encode(&self.parameters, &self.inputs(&features))),
         };
         let in_trained_range = self.card.range.outside(&features.model).is_none();
-        EncodedGrasp { features, code, to_scene: None, stress: true, in_trained_range }
+        EncodedGrasp { features, code, to_scene: None, fields: RequiredFields::ALL, in_trained_range }
     }
 
     fn forward(&self) -> &dyn Forward {
@@ -216,7 +219,8 @@ impl Predictor {
         };
         let together: Option<Vec<DecodeRequest>> = grasps.iter().map(coded).collect();
         if let (Some(engine), Some(together)) = (&self.engine, together) {
-            return engine.decode(&together, grasps.iter().any(|(encoded, _)| encoded.stress));
+            let fields = grasps.iter().map(|(encoded, _)| encoded.fields).reduce(RequiredFields::or);
+            return engine.decode(&together, fields.unwrap_or(RequiredFields::ALL));
         }
         let alone = |(encoded, loads): &(&EncodedGrasp, LoadFeatures)| match &encoded.code {
             Encoded::Tensors(code) => {
@@ -270,7 +274,7 @@ impl Predictor {
             graph,
             to_scene: encoded.to_scene.clone(),
             pads,
-            stress: encoded.stress,
+            fields: encoded.fields,
             young,
             unit_force,
             travel: Vec::new(),

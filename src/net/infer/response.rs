@@ -23,16 +23,39 @@ pub struct ResponseWorkspace {
     at_nodes: Vec<f32>,
 }
 
+/// Fields that are required.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RequiredFields {
+    /// Stress of all nodes; requires the interior.
+    pub stress: bool,
+    /// Displacement of the nodes below the sensing face; zero otherwise.
+    pub interior: bool,
+}
+
+impl RequiredFields {
+    /// All fields.
+    pub const ALL: Self = Self { stress: true, interior: true };
+
+    /// Returns the fields that either requires.
+    pub fn or(self, other: Self) -> Self {
+        Self { stress: self.stress || other.stress, interior: self.interior || other.interior }
+    }
+}
+
 /// Computes the response of a pad of this graph to the contact forces of `items` (face nodes, 3: fraction of the force,
-/// friction along x and y), each with its scale; with `stress` if required.
+/// friction along x and y), each with its scale.
 pub fn linear_response<'a>(
     graph: &'a PadGraph,
     items: &[(&[f32], f32)],
-    stress: bool,
+    fields: RequiredFields,
     memory: &'a mut ResponseWorkspace,
 ) -> LinearResponse<'a> {
     let pad = &graph.compliance;
     let (forced, items, k) = (items, items.len(), pad.forces);
+    // The nodes of the face come first.
+    let on_face = graph.face.iter().filter(|node| pad.slot[**node as usize].is_some()).count();
+    let slots = if fields.interior { pad.displacement_count() / 3 } else { on_face };
+    let stress = fields.stress;
     let wide = padded(items);
     let ResponseWorkspace { forces, moved, at_nodes } = memory;
     // From (against the closing direction, x, y) to (x, y, z) of the pad.
@@ -41,18 +64,18 @@ pub fn linear_response<'a>(
         let ((from, sign), (contact, scale)) = (turn[r % 3], forced[item]);
         sign * scale * contact[r - r % 3 + from]
     });
-    moved.resize(pad.displacement_count() * wide, 0.0);
+    moved.resize(3 * slots * wide, 0.0);
     let rows = 3 * BLOCK;
-    moved.par_chunks_mut(rows * wide).zip(pad.response.par_chunks(rows * k)).for_each(|(out, response)| {
+    moved.par_chunks_mut(rows * wide).zip(pad.response[..3 * slots * k].par_chunks(rows * k)).for_each(|(out, response)| {
         let a = RowsView { data: response, stride: k, count: out.len() / wide };
         let (act, stride) = (Act::None, wide);
         Arch::new().dispatch(Product { a, w: forces, keep: false, bias: None, act, out, stride });
     });
     at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
-        Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, stress, out });
+        Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, slots, stress, out });
     });
-    LinearResponse { graph, pad, items, stress, at_nodes }
+    LinearResponse { graph, pad, items, slots, stress, at_nodes }
 }
 
 /// Counts multiplications and additions of [`linear_response`] and [`LinearResponse::correct`] for a pad under one
@@ -72,6 +95,8 @@ struct NodeBlock<'a> {
     first: usize,
     items: usize,
     moved: &'a [f32],
+    /// Number of movable nodes whose displacement is known.
+    slots: usize,
     stress: bool,
     /// Results (items, [`BLOCK`], 4).
     out: &'a mut [f32],
@@ -82,12 +107,16 @@ impl WithSimd for NodeBlock<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { pad, first, items, moved, stress, out } = self;
+        let Self { pad, first, items, moved, slots: known, stress, out } = self;
         let wide = padded(items);
         let lanes = S::F32_LANES;
         let load = |row: usize, at: usize| S::as_simd_f32s(&moved[row * wide + at..][..lanes]).0[0];
         let mut buffer = [0.0_f32; 4 * 16];
         for node in first..(first + BLOCK).min(pad.nodes) {
+            let own = pad.slot[node].filter(|slot| (*slot as usize) < known);
+            if own.is_none() && !stress {
+                continue;
+            }
             let (slots, parts) = if stress { pad.deviator.of(node) } else { (&[][..], &[][..]) };
             for at in (0..items).step_by(lanes) {
                 let mut s = [simd.splat_f32s(0.0); 5];
@@ -104,7 +133,7 @@ impl WithSimd for NodeBlock<'_> {
                 // a2 + b2 + a b + c2 + d2 + e2
                 let square = simd.mul_f32s(s[0], simd.add_f32s(s[0], s[1]));
                 let square = s[1..].iter().fold(square, |sum, v| simd.mul_add_e_f32s(*v, *v, sum));
-                let u = pad.slot[node]
+                let u = own
                     .map_or([simd.splat_f32s(0.0); 3], |slot| [0, 1, 2].map(|k| load(3 * slot as usize + k, at)));
                 let rows = [u[0], u[1], u[2], simd.mul_f32s(square, simd.splat_f32s(3.0))];
                 for (own, row) in buffer.chunks_exact_mut(16).zip(rows) {
@@ -127,6 +156,8 @@ pub struct LinearResponse<'a> {
     graph: &'a PadGraph,
     pad: &'a Compliance,
     items: usize,
+    /// Number of movable nodes whose displacement is known.
+    slots: usize,
     stress: bool,
     /// Values at nodes (blocks of nodes, items, [`BLOCK`], 4): displacement and squared von Mises stress.
     at_nodes: &'a [f32],
@@ -146,6 +177,10 @@ impl LinearResponse<'_> {
         each.enumerate().for_each(|(item, (displacement, stress))| {
             let own = heads.item(item, face);
             for (node, u) in displacement.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let moves = self.pad.slot[node].is_some_and(|slot| (slot as usize) < self.slots);
+                if !moves && !self.stress {
+                    continue;
+                }
                 let at = ((node / BLOCK * self.items + first + item) * BLOCK + node % BLOCK) * 4;
                 let given = &self.at_nodes[at..at + 4];
                 let (mut factor, mut more, mut beyond) = (0.0, 0.0, [0.0; 6]);
@@ -158,7 +193,7 @@ impl LinearResponse<'_> {
                 if let Some(s) = stress.get_mut(node) {
                     *s = (given[3] * force + STRESS_REGULARISATION * STRESS_REGULARISATION).sqrt() * factor + more;
                 }
-                if self.pad.slot[node].is_some() {
+                if moves {
                     *u = [0, 1, 2].map(|k| given[k] * length * beyond[3 + k] + beyond[k]);
                 }
             }
