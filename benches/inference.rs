@@ -16,9 +16,9 @@ use tactus::net::features::loads::{LoadFeatures, NODE_LOAD, PAD_LOAD};
 use tactus::net::features::normalise::Normaliser;
 use tactus::net::features::{EDGE, GraspFeatures, NODE, PAD};
 use tactus::net::infer::predict::Predictor;
+use tactus::net::infer::response::RequiredFields;
 use tactus::net::infer::{DecodeRequest, FaceEngine};
 use tactus::net::linear_response::edges::Edges;
-use tactus::net::infer::response::RequiredFields;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::linear_response::{GraspLoad, frame_loads};
@@ -93,7 +93,8 @@ impl Case {
         let encode = best(|| drop(black_box(self.engine.encode(&self.features))));
         let decode = |loads| {
             drop(black_box(
-                self.engine.decode(&[DecodeRequest { features: &self.features, code: &code, loads }], RequiredFields::ALL),
+                self.engine
+                    .decode(&[DecodeRequest { features: &self.features, code: &code, loads }], RequiredFields::ALL),
             ));
         };
         [encode, best(|| self.pieces.iter().for_each(decode))]

@@ -13,8 +13,8 @@ use net::infer::friction_margin::{friction_margin, slip_reason};
 use net::infer::load_interpolation::LoadInterpolation;
 use net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use net::linear_response::GraspLoad;
-use net::linear_response::first_contact::GeometricContact;
 use net::linear_response::canonical_pads::CanonicalPads;
+use net::linear_response::first_contact::GeometricContact;
 use rayon::prelude::*;
 use record::ErrorBound;
 use std::path::{Path, PathBuf};
@@ -111,8 +111,7 @@ impl Stepper for NetworkStepper {
         let shared = world.get_resource::<SharedModel>().ok_or_else(missing)?.clone();
         let model = &shared.0;
         // An agent may command any force.
-        let admit =
-            if model.needs.task { Predictor::pads_if_in_range } else { Predictor::pads_if_some_force_in_range };
+        let admit = if model.needs.task { Predictor::pads_if_in_range } else { Predictor::pads_if_some_force_in_range };
         let canonical = admit(&self.predictor, model, self.extrapolate)?;
         let (frames, loads) = self.predictor.answerable_loads(model, self.extrapolate).into_iter().unzip();
         world.insert_resource(Prediction {

@@ -173,7 +173,8 @@ mod tests {
             let moved = FieldTransfer::new(&source, &target).force(&forces);
             let sum = |f: &[DVec3]| f.iter().sum::<DVec3>();
             assert!((sum(&moved) - sum(&forces)).length() < 1e-12 * sum(&forces).length());
-            let moment = |pad: &PadTopology, f: &[DVec3]| pad.rest.iter().zip(f).map(|(x, f)| x.cross(*f)).sum::<DVec3>();
+            let moment =
+                |pad: &PadTopology, f: &[DVec3]| pad.rest.iter().zip(f).map(|(x, f)| x.cross(*f)).sum::<DVec3>();
             let (before, after) = (moment(&source, &forces), moment(&target, &moved));
             assert!((after - before).length() < 1e-3 * sum(&forces).length(), "{before} became {after}");
         }
@@ -183,8 +184,8 @@ mod tests {
     fn linear_fields_are_reproduced_and_bonded_nodes_stay() {
         let (source, target) = (pad([3, 3, 2]), pad([5, 4, 3]));
         let field = |x: DVec3| DVec3::new(x.x + 2.0 * x.y, x.z - x.y, 1.0 + x.z);
-        let moved =
-            FieldTransfer::new(&source, &target).displacement(&source.rest.iter().map(|x| field(*x)).collect::<Vec<_>>());
+        let moved = FieldTransfer::new(&source, &target)
+            .displacement(&source.rest.iter().map(|x| field(*x)).collect::<Vec<_>>());
         for ((u, x), bonded) in moved.iter().zip(&target.rest).zip(&target.bonded) {
             let wanted = if *bonded { DVec3::ZERO } else { field(*x) };
             assert!((*u - wanted).length() < 1e-12, "{u} instead of {wanted} at {x}");

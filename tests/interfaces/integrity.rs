@@ -504,7 +504,8 @@ fn no_change_of_a_file_changes_an_answer_silently() {
     let spec: Spec = ron(SPEC);
     let other = dir.path().join("other");
     let mut checkpoints = Vec::new();
-    let mut trainer = Trainer::new(&[set(made)], &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other, None).unwrap();
+    let mut trainer =
+        Trainer::new(&[set(made)], &ron(&SPEC.replace("seed: 3", "seed: 4")), "poses", &other, None).unwrap();
     trainer.run(|_| checkpoints.push(std::fs::read(other.join("checkpoint.bin")).unwrap())).unwrap();
     let again = dir.path().join("again");
     let mut own = Vec::new();

@@ -95,8 +95,9 @@ fn a_curved_pad_from_a_file_is_answered() {
     };
     let metres = write("metres.tet", [10, 8, 3], 1.0, false);
     let millimetres = write("millimetres.tet", [20, 16, 4], 1e-3, true);
-    let (nodes, travel) =
-        answered(&format!("File(path: {metres:?}, outward: (0, 0, 1), across: (0, 1, 0), bonded: Plane(within: 1e-6))"));
+    let (nodes, travel) = answered(&format!(
+        "File(path: {metres:?}, outward: (0, 0, 1), across: (0, 1, 0), bonded: Plane(within: 1e-6))"
+    ));
     let (_, other) = answered(&format!(
         "File(path: {millimetres:?}, scale: 1e-3, outward: (0, -1, 0), across: (0, 0, 1), bonded: Plane(within: 1e-6))"
     ));

@@ -45,7 +45,8 @@ const AREA: f64 = 0.05;
 /// Fails for a pad without a sensing face, and if the outline of the face is not star-shaped.
 pub fn remesh(pad: &PadShape, thickness: f64, spacing: f64) -> Result<PadMesh> {
     let rim = rim(pad);
-    let ends = |pick: fn(DVec2, DVec2) -> DVec2, start: f64| rim.iter().flatten().copied().fold(DVec2::splat(start), pick);
+    let ends =
+        |pick: fn(DVec2, DVec2) -> DVec2, start: f64| rim.iter().flatten().copied().fold(DVec2::splat(start), pick);
     let (low, high) = (ends(DVec2::min, f64::INFINITY), ends(DVec2::max, f64::NEG_INFINITY));
     let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
     if rim.is_empty() || half.min_element() <= 0.0 || thickness <= 0.0 {
@@ -209,8 +210,7 @@ mod tests {
     fn again(pad: &PadMesh, spacing: f64) -> PadMesh {
         let surface: Vec<[u32; 3]> = surface::boundary(&pad.mesh).into_iter().map(|f| f.nodes).collect();
         let sensing: Vec<[u32; 3]> = sensing_faces(pad).into_iter().map(|f| f.nodes).collect();
-        let shape =
-            PadShape { nodes: &pad.mesh.nodes, surface: &surface, sensing: &sensing, bonded: &pad.bonded };
+        let shape = PadShape { nodes: &pad.mesh.nodes, surface: &surface, sensing: &sensing, bonded: &pad.bonded };
         remesh(&shape, pad.thickness(), spacing).unwrap()
     }
 
@@ -242,10 +242,9 @@ mod tests {
     #[test]
     fn discs_and_domes_keep_their_volume_to_the_error_of_their_facets() {
         let fine = Resolution::spacing(1e-3);
-        for (pad, least) in [
-            (disc_pad(9e-3, 3e-3, &fine).unwrap(), 0.98),
-            (gelsight_mini(GelProfile::Domed, &fine).unwrap(), 0.97),
-        ] {
+        for (pad, least) in
+            [(disc_pad(9e-3, 3e-3, &fine).unwrap(), 0.98), (gelsight_mini(GelProfile::Domed, &fine).unwrap(), 0.97)]
+        {
             let ratio = volume(&again(&pad, 2.8e-3)) / volume(&pad);
             assert!(least < ratio && ratio < 1.0 + 1e-6, "{ratio}");
         }

@@ -51,8 +51,7 @@ impl Predictor {
             .clamp(1, MAX_BATCH);
         let predict = |poses: &[Pose]| -> Result<Vec<_>> {
             interrupt::check()?;
-            let touches: Vec<Result<GeometricContact>> =
-                poses.iter().map(|pose| pads.first_contact(*pose)).collect();
+            let touches: Vec<Result<GeometricContact>> = poses.iter().map(|pose| pads.first_contact(*pose)).collect();
             let encoded: Vec<EncodedGrasp> = touches
                 .iter()
                 .flatten()

@@ -1,9 +1,9 @@
 //! Output of the network for a grasp at some loads, converted to SI on request.
 
-use super::response::RequiredFields;
 use super::contact_correction::{UncorrectedAnswer, corrected_travel};
 pub use super::output_arrays::OutputArrays;
 use super::predicted_state::{GraspState, PadState};
+use super::response::RequiredFields;
 use crate::features::GraspFeatures;
 use crate::features::loads::{CONTACT_AREA, LoadFeatures, NODE_LOAD, PAD_LOAD, PROJECTED_FRACTION};
 use crate::linear_response::pad_graph::PadGraph;

@@ -4,8 +4,8 @@
 use super::inputs::{Array, PadInputs, grasp_inputs, pad_inputs};
 use super::predict::Predictor;
 use crate::features::GraspFeatures;
-use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::canonical_pads::CanonicalPads;
+use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel};
 use crate::network::spec::NetworkSpec;
@@ -130,11 +130,7 @@ impl SceneInputs {
         grips.par_iter().map(grasp).collect()
     }
 
-    fn input_derivatives(
-        &self,
-        grip: &GraspParameters,
-        changes: &[DerivativeDirection],
-    ) -> Result<InputDerivatives> {
+    fn input_derivatives(&self, grip: &GraspParameters, changes: &[DerivativeDirection]) -> Result<InputDerivatives> {
         let model = self.checked_model(grip)?;
         let touches = |pose| self.pads.first_contact(pose);
         let touch = touches(grip.pose)?;
@@ -161,7 +157,8 @@ impl SceneInputs {
 
     /// Returns the model under the forces and the friction of `grip`.
     fn checked_model(&self, grip: &GraspParameters) -> Result<Model> {
-        let (loads, given, fingers) = (self.pads.model.levels.len(), grip.force.len(), self.pads.model.fingers.len() as f64);
+        let (loads, given, fingers) =
+            (self.pads.model.levels.len(), grip.force.len(), self.pads.model.fingers.len() as f64);
         let refused = |what: String| Err(Error::Start(what));
         if let Some(bad) = grip.force.iter().find(|force| !(force.is_finite() && **force > 0.0)) {
             return refused(format!("a force of {bad} N; numbers above 0 are needed"));
@@ -213,7 +210,8 @@ impl SceneInputs {
             }
             DerivativeDirection::Position(_) => self.pads.graph.thickness,
             DerivativeDirection::Rotation(_) => {
-                self.pads.graph.thickness / self.pads.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
+                self.pads.graph.thickness
+                    / self.pads.model.fingers.iter().map(farthest).fold(f64::MIN_POSITIVE, f64::max)
             }
         };
         Ok(f64::from(f32::EPSILON).sqrt() * scale)

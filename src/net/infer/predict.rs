@@ -1,16 +1,16 @@
 //! Inference of a trained model: one pass per grasp, then any load level, in SI.
 
 use super::face::{DecodeRequest, FaceEngine};
-use super::response::RequiredFields;
 use super::grasp_output::GraspOutput;
 use super::latent_code::LatentCode;
 use super::output_arrays::OutputArrays;
 pub use super::predicted_state::{GraspState, PadState};
+use super::response::RequiredFields;
 use crate::autodiff::tensor::{Matrix, NoneTape};
 use crate::features::GraspFeatures;
 use crate::features::loads::LoadFeatures;
-use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::canonical_pads::{CanonicalPadList, CanonicalPads};
+use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::card::{Card, StoredModel, WEIGHTS};
 use crate::network::parameters::Parameters;

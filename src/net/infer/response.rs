@@ -66,11 +66,13 @@ pub fn linear_response<'a>(
     });
     moved.resize(3 * slots * wide, 0.0);
     let rows = 3 * BLOCK;
-    moved.par_chunks_mut(rows * wide).zip(pad.response[..3 * slots * k].par_chunks(rows * k)).for_each(|(out, response)| {
-        let a = RowsView { data: response, stride: k, count: out.len() / wide };
-        let (act, stride) = (Act::None, wide);
-        Arch::new().dispatch(Product { a, w: forces, keep: false, bias: None, act, out, stride });
-    });
+    moved.par_chunks_mut(rows * wide).zip(pad.response[..3 * slots * k].par_chunks(rows * k)).for_each(
+        |(out, response)| {
+            let a = RowsView { data: response, stride: k, count: out.len() / wide };
+            let (act, stride) = (Act::None, wide);
+            Arch::new().dispatch(Product { a, w: forces, keep: false, bias: None, act, out, stride });
+        },
+    );
     at_nodes.resize(pad.nodes.div_ceil(BLOCK) * BLOCK * items * 4, 0.0);
     at_nodes.par_chunks_exact_mut(BLOCK * items * 4).enumerate().for_each(|(block, out)| {
         Arch::new().dispatch(NodeBlock { pad, first: block * BLOCK, items, moved, slots, stress, out });
@@ -133,8 +135,8 @@ impl WithSimd for NodeBlock<'_> {
                 // a2 + b2 + a b + c2 + d2 + e2
                 let square = simd.mul_f32s(s[0], simd.add_f32s(s[0], s[1]));
                 let square = s[1..].iter().fold(square, |sum, v| simd.mul_add_e_f32s(*v, *v, sum));
-                let u = own
-                    .map_or([simd.splat_f32s(0.0); 3], |slot| [0, 1, 2].map(|k| load(3 * slot as usize + k, at)));
+                let u =
+                    own.map_or([simd.splat_f32s(0.0); 3], |slot| [0, 1, 2].map(|k| load(3 * slot as usize + k, at)));
                 let rows = [u[0], u[1], u[2], simd.mul_f32s(square, simd.splat_f32s(3.0))];
                 for (own, row) in buffer.chunks_exact_mut(16).zip(rows) {
                     S::as_mut_simd_f32s(&mut own[..lanes]).0[0] = row;

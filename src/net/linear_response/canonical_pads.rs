@@ -147,8 +147,7 @@ impl CanonicalPadList {
             }
         }
         for ((i, finger, _, equal), graph) in meshed.into_iter().zip(graphs) {
-            let to_scene =
-                (!equal).then(|| Arc::new(FieldTransfer::new(&finger.topology, &fingers[i].topology)));
+            let to_scene = (!equal).then(|| Arc::new(FieldTransfer::new(&finger.topology, &fingers[i].topology)));
             pads.push(Arc::new(CanonicalPad {
                 scene: fingers[i].clone(),
                 hash: hashes[i].clone(),

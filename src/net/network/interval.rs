@@ -111,7 +111,8 @@ impl Estimate {
     fn fit(levels: &[(ErrorIndicators, f64)]) -> Option<Self> {
         let logarithms: Vec<_> = levels.iter().map(|(signs, error)| (*signs, error.max(LEAST).ln())).collect();
         let mean = least_squares(&logarithms, true)?;
-        let apart: Vec<_> = logarithms.iter().map(|(signs, error)| (*signs, (error - dot(&mean, signs)).abs())).collect();
+        let apart: Vec<_> =
+            logarithms.iter().map(|(signs, error)| (*signs, (error - dot(&mean, signs)).abs())).collect();
         let typical = apart.iter().map(|(_, apart)| apart).sum::<f64>() / apart.len().max(1) as f64;
         Some(Self { mean, deviation: least_squares(&apart, true)?, typical: typical.max(LEAST) })
     }
@@ -250,8 +251,7 @@ mod tests {
             let part = within as f64 / group.len() as f64;
             assert!((part - COVERAGE).abs() < 0.03, "{part} within, not {COVERAGE}");
         }
-        let wide =
-            |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).displacement;
+        let wide = |sign: f64| interval.at(&[1.0, sign, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).displacement;
         let ratio = wide(-1.0) / wide(-3.0);
         assert!((ratio / 1.6_f64.exp() - 1.0).abs() < 0.1, "widths differ by {ratio}");
     }
@@ -272,9 +272,7 @@ mod tests {
             vec![([1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0, -3.0, -3.0, 0.0], [error; 3])]
         };
         let interval = PredictionInterval::fit(&(0..200).map(|_| grasp()).collect::<Vec<_>>()).unwrap();
-        let wide = |turned: f64| {
-            interval.at(&[1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0, -3.0, -3.0, 0.0]).displacement
-        };
+        let wide = |turned: f64| interval.at(&[1.0, -2.0, -2.0, -1.0, turned, 0.0, 0.0, -3.0, -3.0, 0.0]).displacement;
         assert!(wide(1.0) >= wide(0.0), "{} turned, {} not", wide(1.0), wide(0.0));
     }
 }

@@ -5,8 +5,8 @@ use crate::autodiff::tensor::{Matrix, Real, Tape};
 use crate::features::loads::LoadFeatures;
 use crate::features::select_rows;
 use crate::features::{GraspFeatures, ROTATION, VECTOR};
-use crate::linear_response::object_motion::rigid_motion;
 use crate::linear_response::canonical_pads::CanonicalPads;
+use crate::linear_response::object_motion::rigid_motion;
 use crate::linear_response::{GraspLoad, frame_loads};
 use crate::network::{NetworkOutput, Normalisers};
 use base::error::{Error, Result};
@@ -67,12 +67,7 @@ impl Sample {
     ///
     /// # Errors
     /// Fails if the grasp is damaged, or if its first contact cannot be found.
-    pub fn read(
-        file: &ObjectFile,
-        pads: &CanonicalPads,
-        grasp: usize,
-        most: usize,
-    ) -> Result<Self> {
+    pub fn read(file: &ObjectFile, pads: &CanonicalPads, grasp: usize, most: usize) -> Result<Self> {
         Self::of(file, pads, grasp, &file.grasp(grasp)?, most)
     }
 
@@ -119,7 +114,8 @@ impl Sample {
             for pad in 0..pads {
                 let own = own.start + pad * nodes..own.start + (pad + 1) * nodes;
                 let components = 3 * own.start..3 * own.end;
-                let [moved, force] = [&data.displacement, &data.contact_force].map(|all| vectors(&all[components.clone()]));
+                let [moved, force] =
+                    [&data.displacement, &data.contact_force].map(|all| vectors(&all[components.clone()]));
                 let stress: Vec<f64> = data.von_mises[own].iter().map(|s| f64::from(*s)).collect();
                 let (moved, force, stress) = match canonical.from_scene() {
                     Some(map) => (map.displacement(&moved), map.force(&force), map.values(&stress)),

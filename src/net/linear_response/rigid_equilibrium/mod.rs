@@ -180,7 +180,9 @@ impl RigidEquilibrium {
         if self.is_held_fixed(load) {
             let resists = |pad: &Vec<DVec3>| -pad.iter().map(|force| force.z).sum::<f64>();
             let all: f64 = state.force.iter().map(resists).sum();
-            return if all > 0.0 { fingers * load.force * resists(&state.force[finger]) / all } else { load.force };
+            // One pad may not touch the object at all.
+            let part = if all > 0.0 { fingers * resists(&state.force[finger]) / all } else { 1.0 };
+            return part.max(LEAST) * load.force;
         }
         let share = self.load_about_centre(load).force.dot(self.fingers[finger].closing) / fingers;
         if self.free { (load.force - share).max(LEAST * load.force) } else { load.force }
