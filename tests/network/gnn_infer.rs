@@ -164,7 +164,7 @@ fn a_ramp_is_as_close_to_finite_elements_as_all_of_its_loads() {
     let decoded = predictor.states(&seen, &loads).unwrap();
     let (few, all) = (mean_error(&|k| ramp.at(k).unwrap()), mean_error(&|k| decoded[k].clone()));
     assert!(all < 0.15, "{all} off finite elements");
-    assert!((few - all).abs() < 5e-4, "{few} off finite elements by a ramp, {all} by all loads");
+    assert!(few < all + 5e-4, "{few} off finite elements by a ramp, {all} by all loads");
 }
 
 /// A batch of grasps gives the same bits as single grasps, for any number of threads and composition of the batch.

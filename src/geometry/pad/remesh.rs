@@ -79,7 +79,8 @@ pub fn remesh(pad: &PadShape, thickness: f64, spacing: f64) -> Result<PadMesh> {
     if !bonded.contains(&true) {
         // A shell that is held at its sides only.
         let [nx, ny] = [0, 1].map(|k| cells[k] + 1);
-        let at_side = |i: usize| i % nx == 0 || i % nx == nx - 1 || i / nx == 0 || i / nx == ny - 1;
+        let on_rim = |at: usize, count: usize| at == 0 || at == count - 1;
+        let at_side = |i: usize| on_rim(i % nx, nx) || on_rim(i / nx, ny);
         bonded = (0..mesh.nodes.len()).map(|i| at_side(i % columns.len())).collect();
     }
     Ok(PadMesh { mesh, bonded })
