@@ -117,6 +117,7 @@ impl Stepper for NetworkStepper {
         world.insert_resource(Prediction {
             predictor: self.predictor.clone(),
             canonical,
+            face: model.finger()?.topology.sensing_nodes(),
             frames,
             loads,
             grasp: None,
@@ -157,6 +158,8 @@ impl Stepper for NetworkStepper {
 pub struct Prediction {
     predictor: Arc<Predictor>,
     canonical: CanonicalPads,
+    /// Nodes of the sensing face on the mesh of the scene.
+    face: Vec<u32>,
     /// Numbers of the frames that the network can predict, and their loads.
     frames: Vec<usize>,
     loads: Vec<GraspLoad>,
@@ -371,6 +374,7 @@ const SMALLEST_SEARCH_RADIUS: f64 = 1e-9;
 
 /// Measures the uncorrected prediction: the smallest det F, and the smallest gap of a face node, which may be negative.
 fn measure_shape(
+    prediction: Res<Prediction>,
     shared: Res<SharedModel>,
     mut report: ResMut<StepReport>,
     nodes: Query<(&FingerIndex, &Position)>,
@@ -386,8 +390,7 @@ fn measure_shape(
     let carried: Vec<(usize, DVec3)> = fingers.iter().map(|(f, c, t)| (f.0 as usize, c.0 * t.0)).collect();
     let worst = |(finger, carried): &(usize, DVec3)| {
         let own = &x[*finger];
-        let face = model.fingers[*finger].topology.sensing.as_flattened();
-        let gap = face.iter().fold(f64::INFINITY, |least, node| {
+        let gap = prediction.face.iter().fold(f64::INFINITY, |least, node| {
             let at = inverse * (own[*node as usize] + *carried - object.0.position);
             // Nodes farther away than the smallest gap so far need no distance.
             let closer = model.object.distance.closest(at, least.max(SMALLEST_SEARCH_RADIUS));

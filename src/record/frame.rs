@@ -7,7 +7,7 @@ use geometry::Wrench;
 use geometry::mesh::quality::EDGES;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// State of one pad in one frame. Node arrays follow [`PadTopology::rest`], element arrays [`PadTopology::elements`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -212,6 +212,11 @@ impl PadTopology {
     /// Returns the depth of the deepest node below the sensing face in the reference configuration, m.
     pub fn thickness(&self) -> f64 {
         self.rest.iter().map(|x| -x.z).fold(0.0, f64::max)
+    }
+
+    /// Returns the nodes of the sensing face, ascending.
+    pub fn sensing_nodes(&self) -> Vec<u32> {
+        self.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// Returns the triangles of the outer surface without the sensing face, whose own triangles are finer. Triangles

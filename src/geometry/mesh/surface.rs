@@ -44,6 +44,15 @@ pub fn boundary(mesh: &TetMesh) -> Vec<BoundaryFace> {
         .collect()
 }
 
+/// Returns the rim of a surface: the edges that belong to one of `triangles` only, as pairs of ascending nodes, in
+/// ascending order.
+pub fn rim(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let edges = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3])));
+    let mut edges: Vec<[u32; 2]> = edges.map(|(a, b)| [a.min(b), a.max(b)]).collect();
+    edges.sort_unstable();
+    edges.chunk_by(|a, b| a == b).filter(|group| group.len() == 1).map(|group| group[0]).collect()
+}
+
 /// Returns the boundary as a separate triangle mesh, with vertices in the order of the nodes, and the node of each
 /// vertex. Indices must be valid.
 pub fn boundary_mesh(mesh: &TetMesh) -> (TriMesh, Vec<u32>) {

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::remesh::onto_outline;
 use crate::mesh::{TetMesh, grid};
 use crate::pad::{Density, PadMesh, Resolution, dome};
 use base::error::{Error, Result};
 use base::number::format_number;
+use glam::DVec2;
 
 /// Largest side of a generated pad, m.
 pub const MAX_SIZE: f64 = 10.0;
@@ -61,8 +63,7 @@ pub fn disc_pad(radius: f64, thickness: f64, resolution: &Resolution) -> Result<
     let zs: Vec<f64> = resolution.layer_grid_lines(cells[2]).into_iter().map(|t| t * thickness).collect();
     let mut mesh = grid::structured([&across, &across, &zs])?;
     for p in &mut mesh.nodes {
-        let (x, y) = square_to_disc(p.x, p.y);
-        (p.x, p.y) = (radius * x, radius * y);
+        *p = (radius * onto_outline(p.truncate(), DVec2::ONE, |_| 1.0)).extend(p.z);
     }
     Ok(bonded_at_back(mesh, cells))
 }
@@ -82,18 +83,6 @@ pub fn gelsight_mini(shape: GelProfile, resolution: &Resolution) -> Result<PadMe
         }
     }
     Ok(pad)
-}
-
-/// Maps [-1, 1]^2 onto the unit disc, the outline onto the circle. Points move radially inwards, further near the
-/// outline, so that cells at the centre keep their square shape and those at the four corners do not degenerate.
-fn square_to_disc(u: f64, v: f64) -> (f64, f64) {
-    let (outer, length) = (u.abs().max(v.abs()), u.hypot(v));
-    if length == 0.0 {
-        return (0.0, 0.0);
-    }
-    let onto_circle = outer / length;
-    let scale = 1.0 - outer * (1.0 - onto_circle);
-    (u * scale, v * scale)
 }
 
 /// Bonds the lowest layer of grid nodes, which come first.

@@ -10,10 +10,9 @@
 use super::{PadMesh, Resolution};
 use crate::barycentric::{barycentric, clamp_to_triangle, min_coordinate};
 use crate::face_lookup::FaceLookup;
-use crate::mesh::grid;
+use crate::mesh::{grid, surface};
 use base::error::{Error, Result};
 use glam::{DVec2, DVec3, Vec3Swizzles};
-use std::collections::BTreeMap;
 
 /// Shape of a pad, pad frame.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +43,9 @@ const AREA: f64 = 0.05;
 /// # Errors
 /// Fails for a pad without a sensing face, and if the outline of the face is not star-shaped.
 pub fn remesh(pad: &PadShape, thickness: f64, spacing: f64) -> Result<PadMesh> {
-    let rim = rim(pad);
+    // Seen along z.
+    let rim: Vec<[DVec2; 2]> =
+        surface::rim(pad.sensing).into_iter().map(|edge| edge.map(|i| pad.nodes[i as usize].xy())).collect();
     let ends =
         |pick: fn(DVec2, DVec2) -> DVec2, start: f64| rim.iter().flatten().copied().fold(DVec2::splat(start), pick);
     let (low, high) = (ends(DVec2::min, f64::INFINITY), ends(DVec2::max, f64::NEG_INFINITY));
@@ -65,7 +66,8 @@ pub fn remesh(pad: &PadShape, thickness: f64, spacing: f64) -> Result<PadMesh> {
     let columns: Vec<Column> = (lines[1].iter())
         .flat_map(|v| lines[0].iter().map(|u| place(*u, *v)))
         .map(|at| {
-            let top = height(&face, pad.nodes, pad.sensing, at);
+            let corners = face.interpolation_at(at.extend(0.0));
+            let top = corners.into_iter().map(|(i, w)| pad.nodes[i as usize].z * w).sum();
             let (bottom, bonded) = back.below(at, top).unwrap_or((-thickness, true));
             Column { at, top, bottom: bottom.min(top - MIN_COLUMN * thickness), bonded }
         })
@@ -95,19 +97,6 @@ struct Column {
     bonded: bool,
 }
 
-/// Returns the edges of the sensing face that belong to one triangle only, seen along z.
-fn rim(pad: &PadShape) -> Vec<[DVec2; 2]> {
-    let mut count: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    for t in pad.sensing {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            *count.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-    }
-    let single = count.into_iter().filter(|(_, n)| *n == 1);
-    single.map(|(edge, _)| edge.map(|i| pad.nodes[i as usize].xy())).collect()
-}
-
 /// Returns the distance of the rim from `center` along the unit vector `direction`, m.
 fn radius(rim: &[[DVec2; 2]], center: DVec2, direction: DVec2) -> f64 {
     let crossing = |[a, b]: &[DVec2; 2]| {
@@ -123,9 +112,9 @@ fn radius(rim: &[[DVec2; 2]], center: DVec2, direction: DVec2) -> f64 {
 /// Maps a point of the square [-1, 1]^2 into the outline with half sides `half` of its bounding rectangle and radius
 /// `radius` in each direction. Points move along their radius, further near the outline, so that cells at the centre
 /// keep their shape; a rectangle is mapped linearly.
-fn onto_outline(square: DVec2, half: DVec2, radius: impl Fn(DVec2) -> f64) -> DVec2 {
+pub(super) fn onto_outline(square: DVec2, half: DVec2, radius: impl Fn(DVec2) -> f64) -> DVec2 {
     let (outer, at) = (square.abs().max_element(), square * half);
-    let length = at.length();
+    let length = at.x.hypot(at.y);
     if length == 0.0 {
         return at;
     }
@@ -153,12 +142,6 @@ fn check_area(pad: &PadShape, lines: &[Vec<f64>; 2], place: impl Fn(f64, f64) ->
         0.5e6 * face,
         0.5e6 * covered
     )))
-}
-
-/// Returns the height of the sensing face at a point, m.
-fn height(face: &FaceLookup, nodes: &[DVec3], sensing: &[[u32; 3]], at: DVec2) -> f64 {
-    let found = face.locate(at);
-    found.map_or(0.0, |(k, l)| (0..3).map(|i| nodes[sensing[k][i] as usize].z * l[i]).sum())
 }
 
 /// Triangles at the back of a pad, which point away from the object.
@@ -205,7 +188,6 @@ impl<'a> Back<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::surface;
     use crate::pad::{GelProfile, box_pad, disc_pad, gelsight_mini, sensing_faces};
 
     fn again(pad: &PadMesh, spacing: f64) -> PadMesh {

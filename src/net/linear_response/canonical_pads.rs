@@ -4,11 +4,10 @@
 //! A network sees a pad as a continuum. Features, linear response and outputs belong to the nodes of the canonical mesh,
 //! so that its answers do not depend on the mesh of the scene; they are then interpolated at the nodes of that mesh.
 
-use super::compliance_cache::ComplianceCache;
 use super::first_contact::GeometricContact;
 use super::pad_graph::{Layout, PadGraph, mesh_hash};
+use super::pad_graphs::PadGraphs;
 use base::error::Result;
-use base::interrupt;
 use geometry::Pose;
 use mech::contact::law::ContactLaw;
 use model::Model;
@@ -74,7 +73,7 @@ impl CanonicalPads {
 /// Canonical pads that a program uses, each created once.
 #[derive(Debug)]
 pub struct CanonicalPadList {
-    layout: Layout,
+    graphs: PadGraphs,
     pads: Mutex<Vec<Arc<CanonicalPad>>>,
     models: Mutex<Vec<(Weak<Model>, CanonicalPads)>>,
 }
@@ -82,7 +81,7 @@ pub struct CanonicalPadList {
 impl CanonicalPadList {
     /// Creates the empty list for a network of this layout.
     pub fn new(layout: Layout) -> Self {
-        Self { layout, pads: Mutex::default(), models: Mutex::default() }
+        Self { graphs: PadGraphs::new(layout), pads: Mutex::default(), models: Mutex::default() }
     }
 
     /// Returns the pads of `model`, which are equal.
@@ -120,33 +119,10 @@ impl CanonicalPadList {
                 new.push(i);
             }
         }
-        let mut meshed: Vec<(usize, FingerModel, String, bool)> = Vec::new();
-        for i in new {
-            let (finger, equal) = canonical_finger(fingers[i])?;
-            let hash = mesh_hash(&finger.topology);
-            meshed.push((i, finger, hash, equal));
-        }
+        let meshed = new.iter().map(|i| canonical_finger(fingers[*i])).collect::<Result<Vec<_>>>()?;
         // Several meshes of one pad share its graph.
-        let shared = |own: &(usize, FingerModel, String, bool)| {
-            let poisson = own.1.body.material.moduli().poisson;
-            pads.iter().find(|pad| pad.graph.matches(&own.2, poisson)).map(|pad| pad.graph.clone())
-        };
-        let cache = ComplianceCache::of_user();
-        let build = |own: &(usize, FingerModel, String, bool)| {
-            interrupt::check()?;
-            Ok(match shared(own) {
-                Some(graph) => graph,
-                None => Arc::new(PadGraph::with_cache(&own.1, self.layout, cache.as_ref())?),
-            })
-        };
-        let mut graphs: Vec<Arc<PadGraph>> = meshed.par_iter().map(build).collect::<Result<Vec<_>>>()?;
-        for k in 1..graphs.len() {
-            let same = |graph: &Arc<PadGraph>| graph.matches(&meshed[k].2, meshed[k].1.body.material.moduli().poisson);
-            if let Some(first) = graphs[..k].iter().find(|graph| same(graph)).cloned() {
-                graphs[k] = first;
-            }
-        }
-        for ((i, finger, _, equal), graph) in meshed.into_iter().zip(graphs) {
+        let graphs = self.graphs.get_or_build(&meshed.iter().map(|(finger, _)| finger).collect::<Vec<_>>())?;
+        for ((i, (finger, equal)), graph) in new.into_iter().zip(meshed).zip(graphs) {
             let to_scene = (!equal).then(|| Arc::new(FieldTransfer::new(&finger.topology, &fingers[i].topology)));
             pads.push(Arc::new(CanonicalPad {
                 scene: fingers[i].clone(),
@@ -194,10 +170,5 @@ fn with_pads(model: &Model, finger: &FingerModel) -> Model {
         pad.law = ContactLaw::new(young, finger.surface.spacing, own.law.friction, own.law.offset);
         pad
     };
-    let mut fingers: Vec<FingerModel> = model.fingers.iter().map(mounted).collect();
-    // The pads are equal: they share their law and topology.
-    if let [left, right] = fingers.as_mut_slice() {
-        right.law = left.law;
-    }
-    Model { fingers, ..model.clone() }
+    Model { fingers: model.fingers.iter().map(mounted).collect(), ..model.clone() }
 }

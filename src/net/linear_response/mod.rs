@@ -13,6 +13,7 @@ mod many_loads;
 pub mod mortar;
 pub mod object_motion;
 pub mod pad_graph;
+pub mod pad_graphs;
 pub mod projected_gradient;
 mod refined_pad;
 pub mod rigid_equilibrium;

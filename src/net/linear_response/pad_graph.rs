@@ -13,11 +13,12 @@ use super::mortar::MortarBasis;
 use crate::matrix::Sparse;
 use base::error::{Error, Result};
 use geometry::face_lookup::FaceLookup;
+use geometry::mesh::surface;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use model::part::FingerModel;
 use rayon::prelude::*;
 use record::PadTopology;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Nodes between which a network passes messages.
@@ -87,7 +88,7 @@ impl PadGraph {
     /// Fails for a pad without a sensing face, or whose stiffness in the reference state is not positive definite.
     pub fn with_cache(finger: &FingerModel, layout: Layout, cache: Option<&ComplianceCache>) -> Result<Self> {
         let pad = &finger.topology;
-        let face: Vec<u32> = pad.sensing.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+        let face = pad.sensing_nodes();
         let thickness = pad.thickness();
         if face.is_empty() || thickness <= 0.0 {
             return Err(Error::Mesh("the pad has no sensing face above its bonded side".into()));
@@ -200,15 +201,8 @@ const RIM_DECAY: f64 = 0.1;
 
 /// Computes the distance of each face node from the rim (the edges of one triangle only), and the vector to it.
 fn to_rim(rest: &[DVec3], triangles: &[[u32; 3]], thickness: f64) -> Vec<(f64, DVec2)> {
-    let mut count: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-    for t in triangles {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            *count.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-    }
-    let rim = count.into_iter().filter(|(_, n)| *n == 1).map(|(edge, _)| edge.map(|i| rest[i as usize].xy()));
-    let rim: Vec<[DVec2; 2]> = rim.collect();
+    let rim: Vec<[DVec2; 2]> =
+        surface::rim(triangles).into_iter().map(|edge| edge.map(|i| rest[i as usize].xy())).collect();
     let way = |x: &DVec3| {
         let to = rim.iter().map(|[a, b]| {
             let along = *b - *a;
