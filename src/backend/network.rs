@@ -9,7 +9,7 @@ use glam::DVec3;
 use model::{Model, Needs};
 use net::infer::contact_correction::object_pose;
 use net::infer::force_interpolation::ForceInterpolation;
-use net::infer::friction_margin::{friction_margin, slip_reason};
+use net::infer::friction_margin::slip_reason;
 use net::infer::load_interpolation::LoadInterpolation;
 use net::infer::predict::{EncodedGrasp, GraspState, PadState, Predictor};
 use net::linear_response::GraspLoad;
@@ -305,7 +305,8 @@ fn predict(
         Ok(state) => {
             // No slip check for an agent: its reward measures what it holds.
             let scene = grasp.as_ref().filter(|_| command.is_none());
-            let slips = scene.and_then(|(touch, _)| slip_reason(friction_margin(&shared.0, touch, &state, &applied)));
+            let margin = |touch| predictor.friction_margin(&shared.0, touch, &state, &applied);
+            let slips = scene.and_then(|(touch, _)| slip_reason(&margin(touch)));
             if let Some(reason) = slips {
                 next.request(Phase::Dropped { reason });
             } else {

@@ -21,6 +21,16 @@ pub fn contact_offset(thickness: Option<f64>, radius: f64) -> f64 {
     thickness.map_or(OFFSET_OF_OBJECT * radius, |t| OFFSET_OF_PAD * t)
 }
 
+/// Default radius of the edges of a scanned object over the pad thickness. It follows from the pad, not from its mesh:
+/// otherwise two meshes of one pad would touch two objects. At least twice the spacing of the points of a mesh with
+/// eight points along the thickness, so that three adjacent points resolve an edge; below 1/2, where a pad would not
+/// feel the edges of its object. `tests/scenes/object_surface.rs`.
+pub const EDGE_RADIUS_OF_PAD: f64 = 0.25;
+/// Returns the default radius of the edges of a scanned object, m, for pads of this `thickness` (m).
+pub fn edge_radius(thickness: f64) -> f64 {
+    EDGE_RADIUS_OF_PAD * thickness
+}
+
 /// Contact stiffness over `E / h`, the stiffness of a gel layer as thick as the spacing of the pad's points. Above 10:
 /// contact must not be softer than the gel behind it; below 1e3: an iterate must not jump from zero to full pressure.
 /// `tests/mechanics/verification_hertz.rs`.

@@ -10,6 +10,7 @@ use base::number::format_count;
 use dataset::DataSet;
 use net::eval::acceptance::{Acceptance, acceptances};
 use net::eval::dump;
+use net::eval::slip::{SlipEvaluation, slip_loads};
 use net::eval::table::{ALL, ErrorRow, ranks, rows};
 use net::eval::{GraspEvaluation, frames, picture, test_grasps};
 use net::infer::predict::Predictor;
@@ -80,6 +81,7 @@ fn evaluate(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
         samples.first().map_or(Ok(()), |sample| dump::write(path, &predictor, sample))?;
     }
     let judged = net::eval::evaluate(&set, &predictor, &split, args.extrapolate)?;
+    let slip = slip_loads(&set, &predictor, &split)?;
     let mut table = rows(&split, &judged);
     let (stress, displacement) = ranks(&judged);
     let accepted = acceptances(&judged);
@@ -95,13 +97,13 @@ fn evaluate(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
     let text = match args.format {
         Format::Text => {
             table.retain(|row| args.groups || row.group == ALL);
-            report(&table, &accepted, judged.len(), (stress, displacement), (mean(0), mean(1)))
+            report(&table, &accepted, slip.as_ref(), judged.len(), (stress, displacement), (mean(0), mean(1)))
         }
         Format::Json => {
             let worst: Vec<_> = worst.iter().filter_map(|j| j.frames.last()).collect();
             let object = json!({
                 "split": split, "model": args.model, "grasps": judged.len(), "tables": table,
-                "error_at_most": accepted,
+                "error_at_most": accepted, "slip": slip,
                 "kendall_tau": { "peak_stress": stress, "peak_displacement": displacement },
                 "encode_s": mean(0), "decode_all_frames_s": mean(1), "worst": worst,
             });
@@ -115,6 +117,7 @@ fn evaluate(args: &EvalArgs, console: &dyn Console) -> Result<u8> {
 fn report(
     table: &[ErrorRow],
     accepted: &[Acceptance],
+    slip: Option<&SlipEvaluation>,
     grasps: usize,
     (stress, displacement): (f64, f64),
     (encode, decode): (f64, f64),
@@ -143,6 +146,16 @@ fn report(
             out,
             "error_at_most {bound:>2.0} %: the network computes {kept:.0} % of the grasps, with displacement errors of \
              {median:.1} % (median) and {worst:.1} % (worst)"
+        );
+    }
+    if let Some(SlipEvaluation { grasps, close, covered, median }) = slip {
+        let [close, median] = [close, median].map(|v| 100.0 * v);
+        let covered = covered.map_or_else(String::new, |part| format!(", {:.0} % within its interval", 100.0 * part));
+        let _ = writeln!(
+            out,
+            "slip: {} dropped under a push; the predicted load is within a tenth for {close:.0} % of them, with an \
+             error of {median:.1} % (median){covered}",
+            format_count(*grasps, "grasp"),
         );
     }
     let _ = writeln!(out, "network: {:.2} ms per grasp, {:.2} ms for all its frames", encode * 1e3, decode * 1e3);

@@ -216,7 +216,7 @@ impl GraspOutcome {
         let last = |answer: &PredictedGrasp| {
             answer.interpolation.len().checked_sub(1).and_then(|last| answer.interpolation.at(last))
         };
-        match answer.as_ref().map(|answer| (slip_reason(answer.friction_margin), last(answer))) {
+        match answer.as_ref().map(|answer| (slip_reason(&answer.friction_margin), last(answer))) {
             Ok((Some(reason), _)) => Self::Failed { reason },
             Ok((None, Some(state))) => Self::Answer(LastLoadSummary::of(&state)),
             Ok((None, None)) => Self::Failed { reason: "there is no load".into() },

@@ -2,8 +2,10 @@
 
 use super::manifest::{Manifest, ObjectEntry};
 use super::reader::ObjectFile;
+use super::rows::code;
 use super::split::{GraspNumbers, Splits};
 use base::error::{Error, Result};
+use record::Status;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -62,10 +64,19 @@ impl DataSet {
 
     /// Returns every reached grasp that a split lists, as (index in [`Self::objects`], number of the grasp).
     pub fn select(&self, poses: &GraspNumbers) -> Vec<(usize, usize)> {
+        self.with_status(poses, code(Status::Reached))
+    }
+
+    /// Returns every dropped grasp that a split lists, as [`Self::select`] does.
+    pub fn select_dropped(&self, poses: &GraspNumbers) -> Vec<(usize, usize)> {
+        self.with_status(poses, code(Status::Dropped))
+    }
+
+    fn with_status(&self, poses: &GraspNumbers, status: u8) -> Vec<(usize, usize)> {
         let of = |(index, object): (usize, &ObjectFile)| {
             let wanted = poses.get(&object.name).cloned().unwrap_or_default();
-            let reached = wanted.into_iter().filter(|g| object.status.get(*g) == Some(&1));
-            reached.map(|g| (index, g)).collect::<Vec<_>>()
+            let found = wanted.into_iter().filter(|g| object.status.get(*g) == Some(&status));
+            found.map(|g| (index, g)).collect::<Vec<_>>()
         };
         self.objects.iter().enumerate().flat_map(of).collect()
     }

@@ -14,7 +14,7 @@ pub fn margin(model: &Model, friction: f64, frame: &Frame, load: DVec3) -> f64 {
         pad.contact_force.iter().zip(&pad.position).map(move |(f, x)| ((-f.dot(closing)).max(0.0), *x))
     });
     let mass = frame.object_position + frame.object_rotation * model.object.mass.center;
-    LimitSurface::new(finger.placement.closing, presses).margin(friction, load, mass, DVec3::ZERO)
+    1.0 - LimitSurface::new(finger.placement.closing, presses).used(friction, load, mass, DVec3::ZERO).whole
 }
 
 /// Returns the slip of the object over the pads between two frames, perpendicular to the closing direction, m. It is

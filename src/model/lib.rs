@@ -125,7 +125,7 @@ impl Model {
         };
         let MeshedPads { fingers, memory, offset } = pads::build(scene, &object, &fem, &mut notices)?;
         let spacing = fingers.iter().map(|f| f.surface.spacing).fold(f64::INFINITY, f64::min);
-        let object = object::with_contact_surface(&scaled, object, spacing, &mut notices)
+        let object = object::with_contact_surface(&scaled, object, min_thickness(&fingers), spacing, &mut notices)
             .map_err(|e| e.with_field("object.surface"))?;
         let sides = fingers.len();
         let mass = object.mass.volume * scene.object.density.get();

@@ -52,8 +52,12 @@ names! {
     GROUND_FORCE "ground_force_n" "N";
     /// Contact force and torque on each pad.
     WRENCH "wrench" "N, N m";
-    /// Smallest fraction of the friction limit that the loads of a grasp leave unused; negative if the object slips.
+    /// Smallest remaining fraction, over the loads of a grasp, of the load at which the object slips; negative if it does.
     SLIP_MARGIN "slip_margin" "1";
+    /// Lower end of the 90 % interval of the slip margin; -inf if unknown.
+    SLIP_MARGIN_LOW "slip_margin_low" "1";
+    /// Upper end of the 90 % interval of the slip margin; inf if unknown.
+    SLIP_MARGIN_HIGH "slip_margin_high" "1";
     /// Value of the incremental potential.
     ENERGY "energy_j" "J";
     /// Norm of the unbalanced nodal forces.

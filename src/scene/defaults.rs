@@ -80,6 +80,8 @@ defaults! {
     PAD_SCALE (pad_scale): Positive = Positive::new_unchecked(1.0);
     /// Pad file: outward normal of the sensing face, in the axes of the file.
     PAD_OUTWARD (pad_outward): Vec3 = Vec3::new_unchecked3(0.0, 0.0, 1.0);
+    /// Antipodal grasps: largest offset of the pads from the contacts, over half of their length and width.
+    GRASP_OFFSET (grasp_offset): NonNegative = NonNegative::new_unchecked(0.0);
     /// Universe: number of objects.
     UNIVERSE_OBJECTS: Count<1, 10000> = Count::new_unchecked(2000);
     /// Universe: number of grasps per object.
@@ -98,6 +100,8 @@ defaults! {
     UNIVERSE_RELEASE: Span = Tuple([Positive::new_unchecked(0.02), Positive::new_unchecked(0.4)]);
     /// Universe: fraction of the objects grasped perpendicular to faces or axes.
     UNIVERSE_SQUARE: NonNegative = NonNegative::new_unchecked(0.4);
+    /// Universe: largest offset of the pads from the contacts, over half of their length and width.
+    UNIVERSE_OFFSET: NonNegative = NonNegative::new_unchecked(0.9);
     /// Universe: fraction of the objects with weight.
     UNIVERSE_HEAVY: NonNegative = NonNegative::new_unchecked(0.4);
     /// Universe: largest weight over the final sum of the finger forces.
@@ -105,7 +109,7 @@ defaults! {
     /// Universe: fraction of the objects that are pushed.
     UNIVERSE_PUSHED: NonNegative = NonNegative::new_unchecked(0.5);
     /// Universe: largest push over the friction limit.
-    UNIVERSE_PUSH: Positive = Positive::new_unchecked(0.8);
+    UNIVERSE_PUSH: Span = Tuple([Positive::new_unchecked(0.04), Positive::new_unchecked(0.8)]);
     /// Universe: fraction of the objects pressed by one finger.
     UNIVERSE_SINGLE: NonNegative = NonNegative::new_unchecked(0.08);
     /// Universe: range of the pad length along the approach, m.

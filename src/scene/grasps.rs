@@ -3,7 +3,7 @@
 use super::convention::Convention;
 use super::defaults;
 use super::either::{PathOrFields, path_or_fields};
-use super::leaf::{Count, Positive};
+use super::leaf::{Count, NonNegative, Positive};
 use super::rotation::Rotation;
 use super::vector::Vec3;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
@@ -58,6 +58,10 @@ pub struct Antipodal {
     /// angle of the friction cone.
     #[serde(default = "defaults::tilt")]
     pub tilt_deg: Positive,
+    /// Largest offset of the pads' centre from the midpoint of the two contacts, along the length and along the width
+    /// of the pads, over half of these; uniform. Zero centres the pads on the contacts, 1 is the rim of the pads.
+    #[serde(default = "defaults::grasp_offset")]
+    pub offset: NonNegative,
 }
 
 /// Grasps from a file; `File("x_grasps.h5")` takes all grasps of a file in the format of DefGraspSim.

@@ -21,9 +21,9 @@ pub struct Object {
     #[serde(default)]
     pub repair: bool,
     /// Contact surface of an object given as a triangle mesh. With None, a mesh file gets a smooth surface whose edges
-    /// are rounded with a radius of at most twice the spacing of the pad's surface nodes, unless its edges lie between
-    /// flat faces or it is too large, too thin or too sharp for that; `tactus check` reports the choice and the largest
-    /// deviation from the mesh. Generated shapes keep their facets with None.
+    /// are rounded with a radius of at most a quarter of the pad thickness, unless its edges lie between flat faces or
+    /// it is too large, too thin or too sharp for that; `tactus check` reports the choice and the largest deviation
+    /// from the mesh. Generated shapes keep their facets with None.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<ObjectSurface>,
     /// Density, kg/m3.
@@ -97,7 +97,7 @@ pub enum ObjectSurface {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SmoothObjectSurface {
-    /// Radius with which edges are rounded, m. None is twice the spacing of the pad's surface nodes.
+    /// Radius with which edges are rounded, m. None is a quarter of the pad thickness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Length>,
 }

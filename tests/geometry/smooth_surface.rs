@@ -62,12 +62,12 @@ fn normals_and_curvature_are_derivatives_of_the_distance() {
     let potato = ShapeKind::Potato { semi_axes, roughness: 0.06, seed: 7 }.build(32).unwrap();
     let prism = ShapeKind::Prism { sides: 5, radius: 0.02, height: 0.03 }.build(8).unwrap();
     for (shape, radius) in [(potato, 1.3e-3), (prism, 1.3e-3)] {
-        assert!(check_derivatives(&shape.smoothed(Some(radius), radius).unwrap(), radius) > 15);
+        assert!(check_derivatives(&shape.smoothed(radius, radius).unwrap(), radius) > 15);
     }
     for name in ["lemon01", "lemon02", "strawberry01", "cucumber1"] {
         let Some(path) = data(&format!("objects/dgn/{name}/{name}_processed.stl")) else { continue };
         let shape = Shape::from_mesh(read_tri_mesh(&path).unwrap().0).unwrap().with_name(name);
-        check_derivatives(&shape.smoothed(None, 6e-4).unwrap(), 1.2e-3);
+        check_derivatives(&shape.smoothed(1.2e-3, 6e-4).unwrap(), 1.2e-3);
     }
 }
 
@@ -78,7 +78,7 @@ fn a_surface_does_not_depend_on_the_number_of_triangles() {
     let shapes = [64, 192].map(|segments| {
         let drawn = ShapeKind::Ellipsoid { semi_axes: DVec3::new(0.03, 0.022, 0.018) }.build(segments).unwrap();
         let shape = Shape::from_mesh((*drawn.surface).clone()).unwrap();
-        let (shape, why) = shape.with_suitable_surface(6e-4);
+        let (shape, why) = shape.with_suitable_surface(1.2e-3, 6e-4);
         assert_eq!(why, None);
         let (radius, largest, rms) = smooth(&shape);
         assert!(radius == 1.2e-3 && largest < 1e-4 && rms <= largest, "{radius} {largest} {rms} m");
@@ -98,8 +98,8 @@ fn a_surface_turns_with_its_object() {
     let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.3);
     let mut mesh = (*potato.surface).clone();
     mesh.vertices.iter_mut().for_each(|p| *p = turn * *p);
-    let turned = Shape::from_mesh(mesh).unwrap().smoothed(None, 6e-4).unwrap();
-    let smooth = potato.smoothed(None, 6e-4).unwrap();
+    let turned = Shape::from_mesh(mesh).unwrap().smoothed(1.2e-3, 6e-4).unwrap();
+    let smooth = potato.smoothed(1.2e-3, 6e-4).unwrap();
     for q in points(&potato, 1e-4) {
         let off = turned.distance.distance(turn * q) - smooth.distance.distance(q);
         assert!(off.abs() < 1e-9, "{off:e} m at {q}");
@@ -110,11 +110,11 @@ fn a_surface_turns_with_its_object() {
 #[test]
 fn flat_faces_stay() {
     let prism = ShapeKind::Prism { sides: 6, radius: 0.02, height: 0.04 }.build(8).unwrap();
-    let (shape, why) = prism.with_suitable_surface(6e-4);
+    let (shape, why) = prism.with_suitable_surface(1.2e-3, 6e-4);
     assert!(!shape.has_display_mesh() && why.is_some_and(|why| why.contains("flat faces")));
     let ball = ShapeKind::Sphere { radius: 0.02 }.build(32).unwrap();
     let ball = Shape::from_mesh((*ball.surface).clone()).unwrap();
-    let (shape, _) = ball.with_suitable_surface(6e-4);
+    let (shape, _) = ball.with_suitable_surface(1.2e-3, 6e-4);
     let (_, largest, _) = smooth(&shape);
     assert!(shape.features.vertices.is_empty() && largest < 1e-4, "{largest} m");
     // Far from the surface the distance is a lower bound, accurate to the error of the surface.

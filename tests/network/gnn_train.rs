@@ -16,7 +16,7 @@ use tactus::net::network::parameters::Parameters;
 use tactus::net::network::spec::Spec;
 use tactus::net::network::{Forward, Inputs, Network, Normalisers, build};
 use tactus::net::train::loss::LossValue;
-use tactus::net::train::sample::{Sample, model_of};
+use tactus::net::train::sample::{LabelNodes, Sample, model_of};
 use tactus::net::train::{data, sample_loss};
 use tactus::scene::from_ron;
 
@@ -110,7 +110,7 @@ fn training_and_inference_see_the_same_bits() {
     let number = file.reached().next().unwrap();
     let stored = model_of(file).unwrap();
     let canonical = |model| CanonicalPadList::new(layout).of(model).unwrap();
-    let trained = Sample::read(file, &canonical(&stored), number, 10).unwrap().features;
+    let trained = Sample::read(file, &canonical(&stored), number, LabelNodes::Canonical, 10).unwrap().features;
     // Inputs as in a run: the scene from text, the pose from the file, first contact computed again.
     let model = Model::build(&from_ron(&file.scene).unwrap()).unwrap();
     let pose = Pose::from_row(&file.grasp(number).unwrap().grasp_pose);
@@ -145,7 +145,7 @@ fn garbage_in_what_fem_found_changes_no_bit_of_what_a_network_sees_or_says() {
         let norms = data::normalisers(&samples(made, network.layout()), &[]);
         let pads = CanonicalPadList::new(network.layout()).of(&model).unwrap();
         let answer = |data| {
-            let sample = Sample::of(file, &pads, number, data, 10).unwrap();
+            let sample = Sample::of(file, &pads, (number, data), LabelNodes::Canonical, 10).unwrap();
             let inputs =
                 Inputs { features: &sample.features, normalisers: &norms, mirror: (false, false), tape: NoneTape };
             let network: &dyn Forward = network.as_ref();

@@ -17,6 +17,7 @@ mod files_from_the_wild;
 mod links;
 #[cfg(unix)]
 mod mutations;
+mod object_surface;
 mod outcomes;
 mod real_grasps;
 mod reference;

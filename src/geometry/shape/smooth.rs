@@ -19,8 +19,6 @@ use std::sync::Arc;
 
 /// Angle below which adjacent triangles belong to one flat face, rad.
 const COPLANAR: f64 = 0.5 / 180.0 * std::f64::consts::PI;
-/// Default radius of rounded edges over the spacing of the pad's points: three adjacent points then resolve an edge.
-const RADIUS: f64 = 2.0;
 /// Distance to the mesh, over the radius, above which a surface is rejected: rounding moves the corner of a cube by
 /// `sqrt(3) - 1`, an edge of 60 degrees by 1. Sharper edges, and parts thinner than the grid resolves, would be lost.
 const ROUNDED: f64 = 1.0;
@@ -38,13 +36,12 @@ impl Shape {
         !matches!(self.definition, SurfaceDefinition::Facets)
     }
 
-    /// Returns the object with a smooth surface that rounds edges by about `radius` (m; by default twice the spacing),
-    /// for pads whose points are `spacing` (m) apart.
+    /// Returns the object with a smooth surface that rounds edges by about `radius` (m), for pads whose points are
+    /// `spacing` (m) apart. The surface depends on the radius alone; the points sampled on it, on the spacing.
     ///
     /// # Errors
     /// Fails for a radius that requires more than 512 grid cells along the object.
-    pub fn smoothed(&self, radius: Option<f64>, spacing: f64) -> Result<Self> {
-        let radius = radius.unwrap_or(RADIUS * spacing);
+    pub fn smoothed(&self, radius: f64, spacing: f64) -> Result<Self> {
         let size = self.aabb.size().max_element();
         if !(size <= CELLS * radius) {
             return Err(Error::Mesh(format!(
@@ -91,20 +88,20 @@ impl Shape {
     }
 
     /// Returns the object with the surface suited to its mesh, for pads whose points are `spacing` (m) apart: smooth,
-    /// with an edge radius of at most twice the spacing, or the facets, with the reason.
-    pub fn with_suitable_surface(&self, spacing: f64) -> (Self, Option<String>) {
+    /// with an edge radius of at most `radius` (m), or the facets, with the reason. The choice does not depend on the
+    /// spacing.
+    pub fn with_suitable_surface(&self, mut radius: f64, spacing: f64) -> (Self, Option<String>) {
         if !matches!(self.definition, SurfaceDefinition::Facets) {
             return (self.clone(), None);
         }
-        let mut radius = RADIUS * spacing;
         if self.aabb.size().max_element() > CELLS * radius {
-            return (self.clone(), Some("it is too large for a grid as fine as the pads".into()));
+            return (self.clone(), Some("it is too large for a grid as fine as the radius of its edges".into()));
         }
-        if is_polyhedron(&self.surface, MIN_FACE_WIDTH * radius) {
-            return (self.clone(), Some("flat faces meet at its edges".into()));
+        if has_sharp_faces(&self.surface, MIN_FACE_WIDTH * radius) {
+            return (self.clone(), Some("its edges bound flat faces".into()));
         }
         for _ in 0..=HALVINGS {
-            let Ok(smooth) = self.smoothed(Some(radius), spacing) else { break };
+            let Ok(smooth) = self.smoothed(radius, spacing) else { break };
             if let SurfaceDefinition::Smooth(SmoothSurface { largest, .. }) = smooth.definition
                 && largest <= ROUNDED * radius
             {
@@ -128,9 +125,9 @@ fn samples(mesh: &TriMesh) -> Vec<(DVec3, f64)> {
     (0..mesh.triangles.len()).flat_map(of).collect()
 }
 
-/// Returns true if sharp edges lie, by more than half of their length, between flat faces wider than `width` (m): a box
-/// or a prism, not a cylinder or a scan.
-fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
+/// Returns true if sharp edges bound, by more than half of their length, flat faces wider than `width` (m): a box, a
+/// prism or a cylinder with its rims, not a scan.
+fn has_sharp_faces(mesh: &TriMesh, width: f64) -> bool {
     let Ok(topology) = Topology::new(mesh) else { return true };
     let angle = |[l, r]: [u32; 2]| {
         let [l, r] = [l, r].map(|t| topology.normals[t as usize]);
@@ -154,7 +151,7 @@ fn is_polyhedron(mesh: &TriMesh, width: f64) -> bool {
         let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
         let [l, r] = edge.triangles.map(|t| faces.find(t) as usize);
         all += a.distance(b);
-        flat += if wide(l) && wide(r) { a.distance(b) } else { 0.0 };
+        flat += if wide(l) || wide(r) { a.distance(b) } else { 0.0 };
     }
     flat > 0.5 * all
 }

@@ -3,7 +3,7 @@
 //!
 //! One trial: a surface point, uniform by area; a closing axis, uniform in the cone about the inward normal, which must
 //! leave the object within the cone of the opposite normal; an approach direction, uniform about the axis. The pads are
-//! centred on the midpoint of the two contacts; the hand must be free of collisions with the object when open and at
+//! centred on the midpoint of the two contacts, or offset from it; the hand must be free of collisions with the object when open and at
 //! first contact.
 
 use crate::gripper::Hand;
@@ -102,7 +102,7 @@ pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, st
             )));
         }
         found.tries += 1;
-        match attempt(object, &surface, hand, cone, stroke, &mut random) {
+        match attempt(object, &surface, hand, (cone, wanted.offset.get()), stroke, &mut random) {
             Ok(pose) => found.poses.push(pose),
             Err(rejection) => found.rejected[rejection as usize] += 1,
         }
@@ -110,17 +110,21 @@ pub fn sample(wanted: &Antipodal, object: &Shape, hand: &Hand, friction: f64, st
     Ok(found)
 }
 
-/// Makes one trial.
+/// Makes one trial with closing axes within the angle `cone` (rad) and pads off the contacts by at most `offset` (over
+/// half of their length and width).
 fn attempt(
     object: &Shape,
     surface: &Surface,
     hand: &Hand,
-    cone: f64,
+    (cone, offset): (f64, f64),
     stroke: f64,
     random: &mut Random,
 ) -> std::result::Result<Pose, Rejection> {
     // Every trial draws the same number of random numbers, whether it is rejected or not.
     let [at, u, v, tilt, about, turn] = std::array::from_fn(|_| random.uniform());
+    let size = hand.pad.size();
+    let mut along = |size: f64| if offset > 0.0 { (random.uniform() - 0.5) * offset * size } else { 0.0 };
+    let beside = DVec3::new(0.0, along(size.y), along(size.x));
     let point = surface.point(object, at, u, v);
     let normal = object.distance.closest(point, f64::INFINITY).map_or(DVec3::Z, |c| c.normal);
     // Uniform over the solid angle of the cone.
@@ -148,7 +152,7 @@ fn attempt(
     let approach = e1 * (TAU * turn).cos() + e2 * (TAU * turn).sin();
     let rotation = DMat3::from_cols(closing, approach.cross(closing), approach);
     let rotation = DQuat::from_mat3(&rotation).normalize();
-    let pose = Pose { position: 0.5 * (first + last) - rotation * hand.center, rotation };
+    let pose = Pose { position: 0.5 * (first + last) - rotation * (hand.center + beside), rotation };
     check_reachable(object, hand, &pose, stroke)?;
     Ok(pose)
 }

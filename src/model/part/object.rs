@@ -2,6 +2,7 @@
 
 use base::error::{Error, Result};
 use base::number::{format_number, round_significant};
+use base::scales;
 use base::stats::median;
 use geometry::Aabb;
 use geometry::mesh::io::read_tri_mesh;
@@ -52,26 +53,27 @@ pub fn build(object: &scene::Object, notices: &mut Vec<String>) -> Result<Shape>
     if scale == 1.0 { Ok(shape) } else { shape.scaled(scale) }
 }
 
-/// Returns `shape`, the shape of `object`, with its contact surface for pads with sample spacing `spacing` (m; `+inf`
-/// without pads). Adds the kind of the surface and its error to `notices`.
+/// Returns `shape`, the shape of `object`, with its contact surface for pads of this `thickness` (m; `None` without
+/// pads) with points `spacing` (m) apart. Adds the kind of the surface and its error to `notices`.
 ///
 /// # Errors
 /// Fails for a radius that is too small for the size of the object.
 pub fn with_contact_surface(
     object: &scene::Object,
     shape: Shape,
+    thickness: Option<f64>,
     spacing: f64,
     notices: &mut Vec<String>,
 ) -> Result<Shape> {
     let SurfaceDefinition::Facets = shape.definition else { return Ok(shape) };
     let count = shape.surface.triangles.len();
-    let (shape, why) = match (&object.surface, &object.shape) {
-        _ if !spacing.is_finite() => (shape, None),
-        (Some(o::ObjectSurface::Smooth(smooth)), _) => {
-            (shape.smoothed(smooth.radius.map(|radius| radius.get()), spacing)?, None)
+    let default_radius = thickness.map(scales::edge_radius);
+    let (shape, why) = match (&object.surface, &object.shape, default_radius) {
+        (Some(o::ObjectSurface::Smooth(smooth)), _, Some(default)) => {
+            (shape.smoothed(smooth.radius.map_or(default, |radius| radius.get()), spacing)?, None)
         }
-        (None, o::ObjectShape::Mesh(_)) => shape.with_suitable_surface(spacing),
-        (Some(o::ObjectSurface::Faceted), _) | (None, _) => (shape, None),
+        (None, o::ObjectShape::Mesh(_), Some(default)) => shape.with_suitable_surface(default, spacing),
+        _ => (shape, None),
     };
     let name = &shape.name;
     notices.push(match &shape.definition {

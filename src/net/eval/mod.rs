@@ -5,13 +5,14 @@ pub mod dump;
 pub mod frames;
 pub mod picture;
 pub mod rank_correlation;
+pub mod slip;
 pub mod table;
 
 use super::infer::predict::Predictor;
 use super::train::data;
 pub use super::train::frame_error::FrameError;
-use super::train::frame_error::{frame_error, reference_fields};
-use super::train::sample::Sample;
+use super::train::frame_error::{frame_error, labelled, reference_fields};
+use super::train::sample::{LabelNodes, Sample};
 use base::error::Result;
 use base::interrupt;
 use dataset::DataSet;
@@ -61,7 +62,7 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
             predictor.card.range.check_pad(&object.pads[0])?;
         }
     }
-    let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, usize::MAX)?;
+    let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, LabelNodes::Scene, usize::MAX)?;
     if !extrapolate {
         // Refuses another gel law; other quantities may lie outside the range.
         predictor.card.range.clone().extend(&range)?;
@@ -82,8 +83,8 @@ fn evaluate_grasp(predictor: &Predictor, sample: &Sample) -> Result<GraspEvaluat
         peak(u.iter(), s.iter())
     };
     let last = states.len() - 1;
-    let own = &states[last];
-    let predicted = peak(own.pads.iter().flat_map(|p| &p.displacement), own.pads.iter().flat_map(|p| &p.stress));
+    let own = labelled(sample, &states[last]);
+    let predicted = peak(own.iter().flat_map(|p| &p.displacement), own.iter().flat_map(|p| &p.stress));
     Ok(GraspEvaluation { frames, peaks: [truth(last), predicted], time_s })
 }
 

@@ -4,6 +4,7 @@ use super::batch::PredictedGrasp;
 use super::contact_correction::object_pose;
 use super::predicted_state::{GraspState, PadState};
 use crate::linear_response::GraspLoad;
+use crate::network::slip_interval::FrictionMargin;
 use base::error::Result;
 use geometry::Pose;
 use glam::DVec3;
@@ -58,7 +59,11 @@ pub fn each_array<E>(
         Pose { position, rotation }.row().map(|v| v as f32).to_vec()
     };
     put(names::OBJECT_POSE, &[known.len(), loads.len(), 7], every(&pose))?;
-    put(names::SLIP_MARGIN, &[known.len()], known.iter().map(|answer| answer.friction_margin as f32).collect())?;
+    let margins =
+        |of: fn(&FrictionMargin) -> f64| known.iter().map(|answer| of(&answer.friction_margin) as f32).collect();
+    put(names::SLIP_MARGIN, &[known.len()], margins(|margin| margin.expected))?;
+    put(names::SLIP_MARGIN_LOW, &[known.len()], margins(|margin| margin.interval[0]))?;
+    put(names::SLIP_MARGIN_HIGH, &[known.len()], margins(|margin| margin.interval[1]))?;
     for (k, name) in ErrorBound::NAMES.into_iter().enumerate() {
         put(name, &of_loads, every(&|_, state| vec![state.error.to_array()[k] as f32]))?;
     }

@@ -2,11 +2,12 @@
 //! them, and decodes the group at once.
 
 use super::FaceEngine;
-use super::friction_margin::{carries_load, friction_margin};
+use super::friction_margin::carries_load;
 use super::load_interpolation::LoadInterpolation;
 use super::predict::{EncodedGrasp, Predictor};
 use crate::linear_response::GraspLoad;
 use crate::linear_response::first_contact::GeometricContact;
+use crate::network::slip_interval::FrictionMargin;
 use base::error::Result;
 use base::interrupt;
 use geometry::Pose;
@@ -24,8 +25,8 @@ pub struct PredictedGrasp {
     pub first_contact: GeometricContact,
     /// States under the loads.
     pub interpolation: LoadInterpolation,
-    /// Smallest remaining fraction of the friction limit under the loads; negative where the object slips.
-    pub friction_margin: f64,
+    /// Smallest remaining fraction of the load at which the object slips; negative where it slips.
+    pub friction_margin: FrictionMargin,
 }
 
 impl Predictor {
@@ -62,8 +63,9 @@ impl Predictor {
             let grasp = |touch: Result<GeometricContact>| {
                 let (touch, ramp) = (touch?, ramps.next().expect("every contact has a ramp")?);
                 let pulled = loads.iter().enumerate().filter(|(_, load)| carries_load(&touch, load));
-                let margins = pulled.filter_map(|(k, load)| Some(friction_margin(model, &touch, &ramp.at(k)?, load)));
-                let margin = margins.fold(1.0, f64::min);
+                let margins =
+                    pulled.filter_map(|(k, load)| Some(self.friction_margin(model, &touch, &ramp.at(k)?, load)));
+                let margin = margins.fold(FrictionMargin::WHOLE, FrictionMargin::or_smaller);
                 Ok(PredictedGrasp { first_contact: touch, interpolation: ramp, friction_margin: margin })
             };
             Ok(touches.into_iter().map(grasp).collect())

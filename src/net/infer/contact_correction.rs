@@ -15,12 +15,25 @@ use model::Model;
 const SMALLEST_FORCE: f64 = 1e-2;
 /// Largest correction of the travel, over the thickness: a field that requires more is not reliable.
 const FARTHEST: f64 = 0.3;
+/// Difference of gaps, over the thickness, at which the weight of a point around a node falls to 1/e: more than the
+/// error of a predicted displacement, less than the gap of a point beside the edge of the object.
+const ALIKE: f64 = 0.015;
 /// Mismatch and overlap, over the depth, below which values are not distinguished.
 const LEAST: f64 = 1e-3;
 
+/// Distance of a point of the deformed face from the object.
+#[derive(Clone, Copy)]
+struct PointGap {
+    /// Signed distance, m.
+    distance: f64,
+    /// Its derivative with respect to the travel.
+    closing: f64,
+}
+
 /// Face node near the object.
 struct NearNode {
-    /// Distance to the object minus the gap that the contact law implies for its force, m.
+    /// Distance to the object minus the gap that the contact law implies for its force, m; of a pressed node, that of
+    /// the closest points around it.
     gap: f64,
     /// Derivative of that distance with respect to the travel.
     closing: f64,
@@ -111,29 +124,61 @@ pub(super) fn corrected_travel(features: &GraspFeatures, answer: &UncorrectedAns
 /// Column of a node's features with the difference between its gap and the smallest gap around it.
 const GAP_DIFFERENCE: usize = 26;
 
-/// Queries the object at the face nodes of pad `p` that are pressed or close to it.
+/// Queries the object at the face nodes of pad `p` that are pressed or close to it. The force of a node is that of the
+/// face around it. Beside the edge of an object the node itself is off the object, and the points between it and its
+/// neighbours are in contact.
 fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose) -> Vec<NearNode> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
-    let most = graph.face.iter().map(|i| -pad.contact[*i as usize].z).fold(0.0, f64::max);
+    let pressing = |node: &u32| -pad.contact[*node as usize].z;
+    let most = graph.face.iter().map(pressing).fold(0.0, f64::max);
     let carried = finger.placement.closing * (features.first_contact.travel[p] + pad.travel);
     let inverse = object.rotation.inverse();
     let columns = features.node.len() / (features.pads * graph.face.len());
-    let of = |(i, node): (usize, &u32)| {
-        let force = -pad.contact[*node as usize].z;
-        let force = if force > SMALLEST_FORCE * most { force } else { 0.0 };
-        let place = finger.placement.place(graph.rest[i] + pad.displacement[*node as usize]) + carried;
-        // A node without pressing force matters only if it penetrates the object.
-        let reach = if force > 0.0 { f64::INFINITY } else { finger.law.offset };
-        let closest = model.object.distance.closest(inverse * (place - object.position), reach)?;
-        let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.smallest_gap());
-        let wanted = if force > 0.0 { wanted } else { 0.0 };
-        Some(NearNode {
-            gap: closest.distance - wanted,
-            closing: (object.rotation * closest.normal).dot(finger.placement.closing),
-            force,
-            hidden: f64::from(features.node[(p * graph.face.len() + i) * columns + GAP_DIFFERENCE]),
-        })
+    let force = |i: usize| Some(pressing(&graph.face[i])).filter(|force| *force > SMALLEST_FORCE * most);
+    let place = |i: usize| {
+        let moved = graph.rest[i] + pad.displacement[graph.face[i] as usize];
+        finger.placement.place(moved) + carried
     };
-    graph.face.iter().enumerate().filter_map(of).collect()
+    let query = |at: DVec3, reach: f64| {
+        let closest = model.object.distance.closest(inverse * (at - object.position), reach)?;
+        let closing = (object.rotation * closest.normal).dot(finger.placement.closing);
+        Some(PointGap { distance: closest.distance, closing })
+    };
+    let mut around: Vec<Vec<PointGap>> = vec![Vec::new(); graph.face.len()];
+    for [a, b] in graph.edges.list.iter().filter(|(a, b)| a < b).map(|(a, b)| [*a as usize, *b as usize]) {
+        if force(a).or(force(b)).is_some()
+            && let Some(gap) = query(0.5 * (place(a) + place(b)), f64::INFINITY)
+        {
+            [a, b].into_iter().for_each(|i| around[i].push(gap));
+        }
+    }
+    let of = |i: usize| {
+        let force = force(i);
+        // A node without pressing force matters only if it penetrates the object.
+        let own = query(place(i), if force.is_some() { f64::INFINITY } else { finger.law.offset })?;
+        let hidden = f64::from(features.node[(p * graph.face.len() + i) * columns + GAP_DIFFERENCE]);
+        let Some(force) = force else {
+            return Some(NearNode { gap: own.distance, closing: own.closing, force: 0.0, hidden });
+        };
+        let wanted = (finger.law.offset - force / graph.area[i] / finger.law.stiffness).max(finger.law.smallest_gap());
+        let near = closest_mean(own, &around[i], ALIKE * graph.thickness);
+        Some(NearNode { gap: near.distance - wanted, closing: near.closing, force, hidden })
+    };
+    (0..graph.face.len()).filter_map(of).collect()
+}
+
+/// Returns `own`, or the mean of the closest of `own` and `around` if these are closer than `own` by more than `alike`
+/// (m). Transition and weights are exponential: the result is continuous when two points exchange order.
+fn closest_mean(own: PointGap, around: &[PointGap], alike: f64) -> PointGap {
+    let all = || around.iter().chain([&own]);
+    let least = all().map(|p| p.distance).fold(f64::INFINITY, f64::min);
+    let weight = |p: &PointGap| ((least - p.distance) / alike).exp();
+    let whole: f64 = all().map(weight).sum();
+    let closer = 1.0 - (-((own.distance - least) / alike).powi(2)).exp();
+    let mix = |pick: fn(&PointGap) -> f64| {
+        let mean = all().map(|p| weight(p) * pick(p)).sum::<f64>() / whole;
+        pick(&own) + closer * (mean - pick(&own))
+    };
+    PointGap { distance: mix(|p| p.distance), closing: mix(|p| p.closing) }
 }

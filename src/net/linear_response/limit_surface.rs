@@ -18,6 +18,18 @@ pub struct LimitSurface {
     arm: f64,
 }
 
+/// Fraction of a limit surface that a load uses.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LimitFraction {
+    /// Fraction of the limit: 0 without load, 1 where the object slips as a whole.
+    pub whole: f64,
+    /// Share of the torque about the closing direction in the fraction, from 0 to 1.
+    pub twist: f64,
+    /// Moment perpendicular to the closing direction, which tilts the object, over pressing force and mean distance of
+    /// the pressure from its centre.
+    pub tilt: f64,
+}
+
 impl LimitSurface {
     /// Creates the surface of points that press along `closing` or against it: normal forces (N) with their positions
     /// (m), in one frame.
@@ -28,16 +40,30 @@ impl LimitSurface {
         Self { closing, normal, center, arm }
     }
 
-    /// Returns the fraction of the limit, for the coefficient `friction`, that remains under a force (N) at a point (m)
-    /// and a torque (N m): 1 without load, 0 where the object slips as a whole, negative beyond.
-    pub fn margin(&self, friction: f64, force: DVec3, at: DVec3, torque: DVec3) -> f64 {
+    /// Returns the fraction of the limit, for the coefficient `friction`, that a force (N) at a point (m) and a torque (N
+    /// m) use.
+    pub fn used(&self, friction: f64, force: DVec3, at: DVec3, torque: DVec3) -> LimitFraction {
         if self.normal <= 0.0 {
-            return if force == DVec3::ZERO && torque == DVec3::ZERO { 1.0 } else { f64::NEG_INFINITY };
+            let loaded = force != DVec3::ZERO || torque != DVec3::ZERO;
+            return LimitFraction { whole: if loaded { f64::INFINITY } else { 0.0 }, ..LimitFraction::default() };
         }
-        let twist = ((at - self.center).cross(force) + torque).dot(self.closing);
+        let moment = (at - self.center).cross(force) + torque;
         let part = |value: f64, limit: f64| if value == 0.0 { 0.0 } else { value / (friction * limit) };
-        let across = force.reject_from(self.closing);
-        1.0 - part(across.length(), self.normal).hypot(part(twist, self.arm))
+        let across = part(force.reject_from(self.closing).length(), self.normal);
+        let twist = part(moment.dot(self.closing).abs(), self.arm);
+        let whole = across.hypot(twist);
+        let tilt = moment.reject_from(self.closing).length() / self.arm.max(f64::MIN_POSITIVE);
+        LimitFraction { whole, twist: if whole > 0.0 { twist / whole } else { 0.0 }, tilt }
+    }
+
+    /// Returns the mean distance of the pressure from the axis through its centre, m.
+    pub fn radius(&self) -> f64 {
+        self.arm / self.normal.max(f64::MIN_POSITIVE)
+    }
+
+    /// Returns the centroid of the pressure, m.
+    pub fn center(&self) -> DVec3 {
+        self.center
     }
 }
 
@@ -53,7 +79,7 @@ mod tests {
             (0.5, DVec3::new(0.0, angle.cos(), angle.sin()) * 5e-3)
         });
         let surface = LimitSurface::new(DVec3::X, ring);
-        let margin = |force: DVec3, torque: f64| surface.margin(0.5, force, DVec3::ZERO, DVec3::X * torque);
+        let margin = |force: DVec3, torque: f64| 1.0 - surface.used(0.5, force, DVec3::ZERO, DVec3::X * torque).whole;
         assert_eq!(margin(DVec3::ZERO, 0.0), 1.0);
         assert!(margin(DVec3::Y * 4.0, 0.0).abs() < 1e-12);
         assert!(margin(DVec3::ZERO, 0.02).abs() < 1e-12);
@@ -61,6 +87,7 @@ mod tests {
             (margin(DVec3::new(9.0, 0.0, 2.0), 0.01) - (1.0 - 0.5_f64.sqrt())).abs() < 1e-12,
             "the pads carry what is along them"
         );
-        assert!(LimitSurface::new(DVec3::X, std::iter::empty()).margin(0.5, DVec3::Y, DVec3::ZERO, DVec3::ZERO) < 0.0);
+        let nothing = LimitSurface::new(DVec3::X, std::iter::empty());
+        assert!(nothing.used(0.5, DVec3::Y, DVec3::ZERO, DVec3::ZERO).whole > 1.0);
     }
 }

@@ -3,6 +3,7 @@
 use super::Normalisers;
 use super::interval::{MIN_GRASPS, PredictionInterval};
 use super::shipped;
+use super::slip_interval::SlipInterval;
 use super::spec::{NetworkSpec, Spec};
 use crate::features::VERSION;
 use crate::features::normalise::MOST;
@@ -57,6 +58,9 @@ pub struct Card {
     /// Prediction interval; None if fewer than [`MIN_GRASPS`] grasps were held out from the training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval: Option<PredictionInterval>,
+    /// Load at which objects slip; None if fewer than [`MIN_GRASPS`] grasps of the training data did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<SlipInterval>,
     /// BLAKE3 hash of the fields above and of the weights; empty in older models.
     #[serde(default)]
     pub checksum: String,
@@ -157,6 +161,7 @@ impl Card {
         self.normalisers.check(matches!(self.spec.network, NetworkSpec::Paper(_)))?;
         self.range.check()?;
         self.interval.iter().try_for_each(PredictionInterval::check)?;
+        self.slip.iter().try_for_each(SlipInterval::check)?;
         match self.validation_loss {
             loss if (0.0..=MOST).contains(&loss) => Ok(()),
             loss => Err(format!("`validation_loss` is {loss}; allowed: 0 to {MOST:e}")),

@@ -83,9 +83,9 @@ fn dot(weights: &ErrorIndicators, signs: &ErrorIndicators) -> f64 {
     weights.iter().zip(signs).map(|(w, s)| w * s).sum()
 }
 
-/// Fits `target` by a linear function of the indicators, with non-negative weights of the risks if `monotone`.
-fn least_squares(rows: &[(ErrorIndicators, f64)], monotone: bool) -> Option<ErrorIndicators> {
-    const N: usize = INDICATORS;
+/// Fits a target by a linear function of the indicators with the regularisation `ridge` per row and non-negative
+/// weights of `risks`.
+pub(super) fn least_squares<const N: usize>(rows: &[([f64; N], f64)], ridge: f64, risks: &[usize]) -> Option<[f64; N]> {
     let (mut matrix, mut right) = (Mat::<f64>::zeros(N, N), Mat::<f64>::zeros(N, 1));
     for (signs, target) in rows {
         for (i, a) in signs.iter().enumerate() {
@@ -93,15 +93,15 @@ fn least_squares(rows: &[(ErrorIndicators, f64)], monotone: bool) -> Option<Erro
             signs.iter().enumerate().for_each(|(j, b)| matrix[(i, j)] += a * b);
         }
     }
-    (0..N).for_each(|i| matrix[(i, i)] += RIDGE * rows.len() as f64);
+    (0..N).for_each(|i| matrix[(i, i)] += ridge * rows.len() as f64);
     // Non-negative least squares (active set): the most negative weight of a risk is fixed at zero, one at a time.
     let mut used = [true; N];
     loop {
         let held = |i: usize, j: usize| if used[i] && used[j] { matrix[(i, j)] } else { f64::from(u8::from(i == j)) };
         let wanted = Mat::from_fn(N, 1, |i, _| if used[i] { right[(i, 0)] } else { 0.0 });
         let solved = Mat::from_fn(N, N, held).llt(Side::Lower).ok()?.solve(&wanted);
-        match RISKS.into_iter().min_by(|i, j| solved[(*i, 0)].total_cmp(&solved[(*j, 0)])) {
-            Some(worst) if monotone && solved[(worst, 0)] < 0.0 => used[worst] = false,
+        match risks.iter().min_by(|i, j| solved[(**i, 0)].total_cmp(&solved[(**j, 0)])) {
+            Some(&worst) if solved[(worst, 0)] < 0.0 => used[worst] = false,
             _ => return Some(std::array::from_fn(|i| solved[(i, 0)])),
         }
     }
@@ -110,11 +110,11 @@ fn least_squares(rows: &[(ErrorIndicators, f64)], monotone: bool) -> Option<Erro
 impl Estimate {
     fn fit(levels: &[(ErrorIndicators, f64)]) -> Option<Self> {
         let logarithms: Vec<_> = levels.iter().map(|(signs, error)| (*signs, error.max(LEAST).ln())).collect();
-        let mean = least_squares(&logarithms, true)?;
+        let mean = least_squares(&logarithms, RIDGE, &RISKS)?;
         let apart: Vec<_> =
             logarithms.iter().map(|(signs, error)| (*signs, (error - dot(&mean, signs)).abs())).collect();
         let typical = apart.iter().map(|(_, apart)| apart).sum::<f64>() / apart.len().max(1) as f64;
-        Some(Self { mean, deviation: least_squares(&apart, true)?, typical: typical.max(LEAST) })
+        Some(Self { mean, deviation: least_squares(&apart, RIDGE, &RISKS)?, typical: typical.max(LEAST) })
     }
 
     fn spread(&self, signs: &ErrorIndicators) -> f64 {

@@ -9,6 +9,7 @@ pub mod layers;
 pub mod paper;
 pub mod parameters;
 pub mod shipped;
+pub mod slip_interval;
 pub mod spec;
 
 use self::parameters::{ParameterBuilder, Parameters};

@@ -8,7 +8,7 @@ use crate::features::{EDGE, NODE, PAD, Parity};
 use crate::linear_response::canonical_pads::CanonicalPadList;
 use crate::linear_response::pad_graph::Layout;
 use crate::network::{Normalisers, VolumeNormalisers};
-use crate::train::sample::{Sample, model_of};
+use crate::train::sample::{LabelNodes, Sample, model_of};
 use base::error::{Error, Result};
 use base::interrupt;
 use base::random::Random;
@@ -59,7 +59,7 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Reads the grasps of each set's poses, at most `frames` frames of each, and their range. Their canonical pads are
+/// Reads the grasps of each set's poses, at most `frames` frames of each with these `labels`, and their range. Their canonical pads are
 /// taken from `known` or added to it.
 ///
 /// # Errors
@@ -67,6 +67,7 @@ pub fn plan(sets: &[DataSet]) -> String {
 pub fn read(
     sets: &[(&DataSet, &GraspNumbers)],
     known: &CanonicalPadList,
+    labels: LabelNodes,
     frames: usize,
 ) -> Result<(Vec<Sample>, TrainedRange)> {
     let mut chosen = Vec::new();
@@ -82,7 +83,7 @@ pub fn read(
     }
     let samples = chosen.par_iter().map(|(file, pads, grasp)| {
         interrupt::check()?;
-        Sample::read(file, pads, *grasp, frames)
+        Sample::read(file, pads, *grasp, labels, frames)
     });
     let samples = samples.collect::<Result<Vec<_>>>()?;
     let mut range: Option<TrainedRange> = None;

@@ -11,11 +11,13 @@ pub mod data;
 pub mod frame_error;
 pub mod loss;
 pub mod sample;
+pub mod slipped;
 mod training_state;
 
 use self::frame_error::frame_error;
 use self::loss::LossValue;
-use self::sample::Sample;
+use self::sample::{LabelNodes, Sample};
+use self::slipped::SlippedGrasp;
 pub use self::training_state::TrainingState;
 use super::autodiff::tensor::{NoneTape, Real, SharedTape, Tape, Values, gradients};
 use super::features::VERSION;
@@ -24,6 +26,7 @@ use super::infer::predict::Predictor;
 use super::network::card::{CARD, Card, StoredModel, WEIGHTS};
 use super::network::interval::{ErrorIndicators, PredictionInterval, ValidationErrors};
 use super::network::parameters::Parameters;
+use super::network::slip_interval::SlipInterval;
 use super::network::spec::{Spec, Training};
 use super::network::{Forward, Inputs, Network, Normalisers, build};
 use crate::linear_response::canonical_pads::CanonicalPadList;
@@ -47,6 +50,7 @@ pub struct Trainer {
     network: Box<dyn Network>,
     samples: Vec<Sample>,
     validation: Vec<Sample>,
+    slipped: Vec<SlippedGrasp>,
     /// State of the run: weights, those of the best epoch, moments, and all epochs so far.
     state: TrainingState,
     /// Notices about the start, one sentence each.
@@ -85,7 +89,9 @@ impl Trainer {
         }
         let splits = data::split(&sets.iter().map(|set| &set.splits).collect::<Vec<_>>(), split)?;
         let all: Vec<_> = sets.iter().zip(splits.iter().map(|split| &split.train)).collect();
-        let (samples, range) = data::read(&all, &CanonicalPadList::new(network.layout()), spec.training.frames.get())?;
+        let known = CanonicalPadList::new(network.layout());
+        let (samples, range) = data::read(&all, &known, LabelNodes::Canonical, spec.training.frames.get())?;
+        let slipped = slipped::read(&all, &known)?;
         if samples.len() < 2 {
             return Err(Error::Start(
                 "training needs at least two grasps: one for training, one for early stopping".into(),
@@ -102,7 +108,7 @@ impl Trainer {
         let state = TrainingState { best: parameters.clone(), parameters, adam, epochs: Vec::new() };
         let notices = lock.notice().into_iter().collect();
         let mut trainer =
-            Self { dir: dir.to_path_buf(), card, network, samples, validation, state, notices, _lock: lock };
+            Self { dir: dir.to_path_buf(), card, network, samples, validation, slipped, state, notices, _lock: lock };
         match checkpoint::read(dir, &trainer.plan()?, &trainer.state)? {
             StoredCheckpoint::State(state) => trainer.state = *state,
             StoredCheckpoint::Nothing | StoredCheckpoint::Damaged(_) if dir.join(CARD).exists() => {
@@ -236,10 +242,14 @@ impl Trainer {
         (f64::from(loss.array()), gradients(loss, &parameters.matrices))
     }
 
-    /// Fits the prediction interval of the best weights to the grasps held out from the training.
-    fn interval(&self) -> Result<Option<PredictionInterval>> {
-        let (network, _) = build(&self.card.spec.network, None);
-        let predictor = Predictor::of(self.card.clone(), network, self.state.best.clone());
+    /// Fits the load at which objects slip, by the predictions of `predictor`, to the grasps that did.
+    fn slip(&self, predictor: &Predictor) -> Option<SlipInterval> {
+        let loads = self.slipped.par_iter().filter_map(|grasp| grasp.slip_load(predictor));
+        SlipInterval::fit(&loads.map(|load| (load.indicators, load.used)).collect::<Vec<_>>())
+    }
+
+    /// Fits the prediction interval of `predictor` to the grasps held out from the training.
+    fn interval(&self, predictor: &Predictor) -> Result<Option<PredictionInterval>> {
         let kept = self.validation.par_iter().map(|sample| {
             interrupt::check()?;
             let answer = predictor.decode(&predictor.encode(sample.features.clone()), &sample.grasp_loads)?;
@@ -256,7 +266,9 @@ impl Trainer {
     fn finish(&mut self) -> Result<()> {
         let Some((best, loss)) = self.state.best_epoch() else { return Ok(()) };
         (self.card.epochs, self.card.validation_loss) = (best + 1, loss);
-        self.card.interval = self.interval()?;
+        let (network, _) = build(&self.card.spec.network, None);
+        let predictor = Predictor::of(self.card.clone(), network, self.state.best.clone());
+        (self.card.interval, self.card.slip) = (self.interval(&predictor)?, self.slip(&predictor));
         curves::draw(&self.dir, &self.state.epochs)?;
         self.card.write(&self.dir, &self.state.best.to_bytes()?)?;
         checkpoint::remove(&self.dir)
@@ -339,6 +351,7 @@ fn card(
         range,
         kept: validation.len(),
         interval: None,
+        slip: None,
         checksum: String::new(),
     }
 }

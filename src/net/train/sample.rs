@@ -14,9 +14,19 @@ use dataset::{ObjectFile, StoredGrasp};
 use geometry::Pose;
 use glam::DVec3;
 use model::Model;
+use record::FieldTransfer;
 use scene::from_ron;
 
 use std::sync::Arc;
+
+/// Nodes of displacement and stress of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LabelNodes {
+    /// The canonical nodes, at which the network is trained.
+    Canonical,
+    /// The nodes of the scene, at which finite elements recorded them and a user reads them.
+    Scene,
+}
 
 /// Grasp for training or evaluation. Fields are in SI and pad frames, ordered by level, then pad, then node.
 #[derive(Debug, Clone)]
@@ -35,11 +45,13 @@ pub struct Sample {
     pub forces: Vec<f64>,
     /// Load of each level, N and N m.
     pub grasp_loads: Vec<GraspLoad>,
+    /// Map from the canonical nodes to those of displacement and stress; None if these are the canonical ones.
+    pub to_labels: Option<Arc<FieldTransfer>>,
     /// Displacement (levels, pads, nodes, 3), m.
     pub displacement: Vec<f32>,
     /// Stress (levels, pads, nodes), Pa.
     pub stress: Vec<f32>,
-    /// Contact force (levels, pads, face nodes, 3), N.
+    /// Contact force (levels, pads, canonical face nodes, 3), N.
     pub contact: Vec<f32>,
     /// Travel (levels, pads), m.
     pub travel: Vec<f64>,
@@ -67,8 +79,14 @@ impl Sample {
     ///
     /// # Errors
     /// Fails if the grasp is damaged, or if its first contact cannot be found.
-    pub fn read(file: &ObjectFile, pads: &CanonicalPads, grasp: usize, most: usize) -> Result<Self> {
-        Self::of(file, pads, grasp, &file.grasp(grasp)?, most)
+    pub fn read(
+        file: &ObjectFile,
+        pads: &CanonicalPads,
+        grasp: usize,
+        labels: LabelNodes,
+        most: usize,
+    ) -> Result<Self> {
+        Self::of(file, pads, (grasp, &file.grasp(grasp)?), labels, most)
     }
 
     /// Creates the sample of a grasp that has been read. The features do not depend on finite-element results.
@@ -78,8 +96,8 @@ impl Sample {
     pub fn of(
         file: &ObjectFile,
         canonical: &CanonicalPads,
-        grasp: usize,
-        data: &StoredGrasp,
+        (grasp, data): (usize, &StoredGrasp),
+        labels: LabelNodes,
         most: usize,
     ) -> Result<Self> {
         let (model, graph) = (&canonical.model, &canonical.graph);
@@ -102,6 +120,7 @@ impl Sample {
             grasp_loads: given,
             features,
             forces,
+            to_labels: canonical.to_scene().filter(|_| labels == LabelNodes::Scene).cloned(),
             displacement: Vec::new(),
             stress: Vec::new(),
             contact: Vec::new(),
@@ -117,9 +136,10 @@ impl Sample {
                 let [moved, force] =
                     [&data.displacement, &data.contact_force].map(|all| vectors(&all[components.clone()]));
                 let stress: Vec<f64> = data.von_mises[own].iter().map(|s| f64::from(*s)).collect();
-                let (moved, force, stress) = match canonical.from_scene() {
-                    Some(map) => (map.displacement(&moved), map.force(&force), map.values(&stress)),
-                    None => (moved, force, stress),
+                let force = canonical.from_scene().map_or(force.clone(), |map| map.force(&force));
+                let (moved, stress) = match canonical.from_scene().filter(|_| labels == LabelNodes::Canonical) {
+                    Some(map) => (map.displacement(&moved), map.values(&stress)),
+                    None => (moved, stress),
                 };
                 let single = |v: &DVec3| v.to_array().map(|c| c as f32);
                 sample.displacement.extend(moved.iter().flat_map(single));
@@ -149,6 +169,7 @@ impl Sample {
             features: self.features.clone(),
             loads: self.loads.select_levels(levels),
             forces: select_rows(&self.forces, count, levels),
+            to_labels: self.to_labels.clone(),
             grasp_loads: select_rows(&self.grasp_loads, count, levels),
             displacement: select_rows(&self.displacement, count, levels),
             stress: select_rows(&self.stress, count, levels),

@@ -55,14 +55,17 @@ pub struct Universe {
     pub release: Span,
     /// Fraction of the objects, of families with faces or axes, that are grasped perpendicular to the faces or axes.
     pub square: NonNegative,
+    /// Largest offset of the pads from the contacts, over half of the length and width of the pads; each object has its
+    /// own largest offset, uniform up to this one.
+    pub offset: NonNegative,
     /// Fraction of the objects with weight, in a random direction.
     pub heavy: NonNegative,
     /// Largest weight over the final sum of the finger forces; limited to two fifths of the friction limit.
     pub weight: Positive,
     /// Fraction of the objects to which a push and a torque are applied after the squeeze, in two fifths of the frames.
     pub pushed: NonNegative,
-    /// Largest push and torque over the friction limit, approximately.
-    pub push: Positive,
+    /// Range of the final push and torque over the friction limit, approximately, uniform.
+    pub push: Span,
     /// Fraction of the objects that are fixed and pressed by one finger.
     pub single: NonNegative,
 }
@@ -82,6 +85,7 @@ impl Default for Universe {
             force: defaults::UNIVERSE_FORCE,
             release: defaults::UNIVERSE_RELEASE,
             square: defaults::UNIVERSE_SQUARE,
+            offset: defaults::UNIVERSE_OFFSET,
             heavy: defaults::UNIVERSE_HEAVY,
             weight: defaults::UNIVERSE_WEIGHT,
             pushed: defaults::UNIVERSE_PUSHED,
@@ -119,6 +123,7 @@ impl Universe {
             ("poisson", &self.poisson),
             ("force", &self.force),
             ("release", &self.release),
+            ("push", &self.push),
             ("pads.length", &pads.length),
             ("pads.width", &pads.width),
             ("pads.thickness", &pads.thickness),
@@ -163,11 +168,13 @@ impl Universe {
         let poisson = round_for_text(0.5 - sensor.between(low, high).exp());
         let width = (draws.factor(&self.size) * thickness).min(WIDEST * gripper.opening.get());
         let (shape, volume) = family.draw(width, &mut draws);
+        let segments = family.segments(&mut draws);
         let friction = round_for_text(draws.within(&self.friction));
         let spec = gripper.material.spec();
         let force = round_for_text(2.0 * draws.within(&self.force) * spec.young * thickness * thickness);
         let square = draws.is_in(self.square.get()) && family.has_faces();
         let tilt = if square { Positive::new_unchecked(PERPENDICULAR_TILT_DEG) } else { defaults::TILT };
+        let offset = round_for_text(draws.between(0.0, self.offset.get()));
         let single = draws.is_in(self.single.get());
         let release =
             round_for_text((draws.factor(&self.release) * 2.0 * spec.young * thickness * thickness).min(force));
@@ -186,7 +193,7 @@ impl Universe {
         let after = (PUSH_FRAMES * frames as f64).round() as usize;
         let push = (pushed && after > 0 && after < frames).then(|| {
             let holds = friction * force - carried;
-            let (force, torque) = push(self.push.get() * draws.between(0.05, 1.0), holds, thickness, &mut draws);
+            let (force, torque) = push(draws.within(&self.push), holds, thickness, &mut draws);
             ObjectPush { force, torque, frames: Count::new_unchecked(after as u64) }
         });
         let frames = if push.is_some() { Count::new_unchecked((frames - after) as u64) } else { squeeze.frames };
@@ -199,7 +206,7 @@ impl Universe {
                 surface: None,
                 dropped_after: DroppedAfter::default(),
                 density,
-                segments: defaults::SEGMENTS,
+                segments,
                 motion: if single { ObjectMotion::Fixed } else { ObjectMotion::Free },
                 velocity: None,
                 spin: None,
@@ -208,6 +215,7 @@ impl Universe {
                 count: Count::new_unchecked(self.grasps.get() as u64),
                 seed: index as u64,
                 tilt_deg: tilt,
+                offset: NonNegative::new_unchecked(offset),
             })),
             gripper: Some(Gripper {
                 pads,

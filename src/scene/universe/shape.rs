@@ -1,6 +1,7 @@
 //! Shapes drawn at random.
 
 use super::draws::{Draws, round_for_text};
+use crate::defaults;
 use crate::leaf::{Count, Depth, Finite, Length, NonNegative, Positive};
 use crate::object::*;
 use crate::vector::{Tuple, Vec2};
@@ -38,12 +39,19 @@ pub enum Family {
     Banana,
     /// Potatoes.
     Potato,
-    /// Solids of revolution with a wavy profile or with sharp rims.
+    /// Potatoes with large flat facets.
+    Faceted,
+    /// Solids of revolution with a wavy profile, some cut off flat, or with sharp rims.
     Revolve,
 }
 
 /// Smallest and largest ratio of two extents of a shape.
 const ASPECT: [f64; 2] = [1.0, 2.5];
+/// Smallest number of segments of a faceted shape, and the smallest that no longer occurs.
+const FACETS: [u64; 2] = [8, 17];
+/// Fraction of the smooth solids of revolution that are cut off flat, and the fractions of the height that remain.
+const CUT: f64 = 0.4;
+const REMAINS: [f64; 2] = [0.35, 0.8];
 /// Number of points of a profile between its ends.
 const PROFILE: usize = 12;
 
@@ -53,7 +61,7 @@ fn length(value: f64) -> Length {
 
 impl Family {
     /// All families.
-    pub const ALL: [Family; 15] = [
+    pub const ALL: [Family; 16] = [
         Family::Sphere,
         Family::Cuboid,
         Family::RoundedCuboid,
@@ -68,6 +76,7 @@ impl Family {
         Family::Pear,
         Family::Banana,
         Family::Potato,
+        Family::Faceted,
         Family::Revolve,
     ];
 
@@ -88,6 +97,7 @@ impl Family {
             Family::Pear => "pear",
             Family::Banana => "banana",
             Family::Potato => "potato",
+            Family::Faceted => "faceted",
             Family::Revolve => "revolve",
         }
     }
@@ -96,6 +106,16 @@ impl Family {
     pub(super) fn has_faces(self) -> bool {
         use Family::*;
         matches!(self, Sphere | Cuboid | RoundedCuboid | Cylinder | Capsule | Prism | Annulus | Cup)
+    }
+
+    /// Draws the number of segments of its surface meshes: the facets of a faceted shape, and the default otherwise.
+    pub(super) fn segments(self, draws: &mut Draws) -> Count<8, 512> {
+        match self {
+            Family::Faceted => {
+                Count::new_unchecked(FACETS[0] + draws.0.uniform_below((FACETS[1] - FACETS[0]) as usize) as u64)
+            }
+            _ => defaults::SEGMENTS,
+        }
     }
 
     /// Draws a shape of about the given `width` (m); returns it with its volume, m3, which for smooth shapes is
@@ -168,7 +188,7 @@ impl Family {
                 let shape = Banana { length: length(long), diameter: length(width), bend_deg };
                 (ObjectShape::Banana(shape), 0.6 * long * width * width)
             }
-            Family::Potato => {
+            Family::Potato | Family::Faceted => {
                 let radii = Tuple([a, b, c].map(|extent| length(0.5 * extent)));
                 let roughness = NonNegative::new_unchecked(round_for_text(part(draws, 0.02, 0.1)));
                 let seed = draws.0.next_u64() % 1_000_000;
@@ -189,17 +209,23 @@ impl Family {
 }
 
 /// Draws the profile of a solid of revolution with largest radius `radius` and this height (m): an ellipse modulated by
-/// up to three waves, or a polygon with sharp rims.
+/// up to three waves, whole or cut off flat, or a polygon with sharp rims.
 fn profile(radius: f64, height: f64, draws: &mut Draws) -> Vec<[f64; 2]> {
     let smooth = draws.is_in(0.6);
     let waves: Vec<[f64; 2]> = (1..=3).map(|_| [draws.between(-0.25, 0.25), draws.between(0.0, 2.0 * PI)]).collect();
+    let remains = (smooth && draws.is_in(CUT)).then(|| draws.between(REMAINS[0], REMAINS[1]));
     let steps = if smooth { PROFILE } else { 2 + draws.0.uniform_below(3) };
     let at = |k: usize| {
-        let part = if smooth { (k as f64 + 0.5) / steps as f64 } else { k as f64 / (steps - 1) as f64 };
+        // Fraction of the height of this point, and of the whole ellipse below it.
+        let [at, part] = match remains {
+            Some(remains) => [1.0, remains].map(|whole| whole * (k as f64 + 0.5) / (steps as f64 - 0.5)),
+            None if smooth => [(k as f64 + 0.5) / steps as f64; 2],
+            None => [k as f64 / (steps - 1) as f64; 2],
+        };
         let round = if smooth { (1.0 - (2.0 * part - 1.0).powi(2)).max(0.0).sqrt() } else { 1.0 };
         let wave: f64 =
             waves.iter().zip(1..).map(|([size, phase], k)| size * (PI * f64::from(k) * part + phase).sin()).sum();
-        [round * (1.0 + wave).max(0.3), height * (part - 0.5)]
+        [round * (1.0 + wave).max(0.3), height * (at - 0.5)]
     };
     let inner: Vec<[f64; 2]> = (0..steps).map(at).collect();
     let most = inner.iter().map(|[r, _]| *r).fold(0.0, f64::max);
