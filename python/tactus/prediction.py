@@ -30,7 +30,9 @@ class Predictions:
     object_pose: (G, F, 7), m and 1, pose of the object in the hand frame: px py pz qw qx qy qz.
     displacement_m: (G, F, P, n, 3), m, in the pad frames.
     contact_force_n: (G, F, P, n, 3), N, on the pad, in the pad frames.
-    slip_margin: (G), smallest fraction of the friction limit that the loads leave unused; negative if the object slips.
+    slip_margin: (G), smallest remaining fraction, over the loads, of the load at which the object slips: 1 without weight
+      and push, negative if it slips.
+    slip_margin_low, slip_margin_high: (G), ends of its 90 % interval; infinite if unknown.
     von_mises_pa: (G, F, P, n), Pa; None if the scene does not record it.
     displacement_error, stress_error, travel_error: (G, F), 90 % quantiles of the relative errors; infinite if unknown:
       outside of the training range, or for a network trained on few grasps.
@@ -48,6 +50,8 @@ class Predictions:
     displacement_m: F32
     contact_force_n: F32
     slip_margin: F32
+    slip_margin_low: F32
+    slip_margin_high: F32
     tactile: dict[str, F32]
     displacement_error: F32
     stress_error: F32

@@ -182,3 +182,23 @@ fn closest_mean(own: PointGap, around: &[PointGap], alike: f64) -> PointGap {
     };
     PointGap { distance: mix(|p| p.distance), closing: mix(|p| p.closing) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(distance: f64) -> PointGap {
+        PointGap { distance, closing: -1.0 }
+    }
+
+    /// A node 0.17 thicknesses beside the edge of a flat face, whose neighbours touch it, has their gap (within 1e-3
+    /// thicknesses); a node among points that scatter by 1e-3 thicknesses keeps its own (within 1e-4).
+    #[test]
+    fn a_node_beside_an_edge_has_the_gap_of_the_points_on_the_face() {
+        let beside = closest_mean(at(0.17), &[at(0.0), at(1e-4), at(0.08), at(0.3)], ALIKE);
+        assert!(beside.distance.abs() < 1e-3, "{}", beside.distance);
+        let among = closest_mean(at(2e-3), &[at(1e-3), at(2e-3), at(3e-3)], ALIKE);
+        assert!((among.distance - 2e-3).abs() < 1e-4, "{}", among.distance);
+        assert_eq!(closest_mean(at(0.1), &[], ALIKE).distance, 0.1);
+    }
+}
