@@ -10,6 +10,7 @@ use tactus::model::grasp::grasp_poses;
 use tactus::model::part::FingerModel;
 use tactus::net::features::GraspFeatures;
 use tactus::net::linear_response::GraspLoad;
+use tactus::net::linear_response::contact_point::ContactPoint;
 use tactus::net::linear_response::first_contact::GeometricContact;
 use tactus::net::linear_response::pad_graph::{Layout, PadGraph};
 use tactus::net::linear_response::projected_gradient::{ContactNode, projected_contact};
@@ -296,15 +297,21 @@ fn the_response_of_the_refined_pad_is_softer_under_its_force() {
 /// `slip` times Coulomb's limit.
 fn dragged(graph: &PadGraph, slip: f64) -> Vec<ContactNode> {
     let t = graph.thickness;
-    let touching = |(x, node, area): (DVec3, u32, f64)| {
+    let touching = |(i, (at, area)): (usize, (&DVec3, &f64))| {
+        let (x, area) = (*at / t, area / (t * t));
         let prescribed_depth = 0.2 - x.truncate().length_squared() / (2.0 * 5.0);
         let prescribed_sliding = if prescribed_depth > 0.0 { DVec3::X * 0.02 } else { DVec3::ZERO };
         let push = 2.0 * prescribed_depth.max(0.0);
         let force = (DVec3::NEG_Z * push + DVec3::X * FRICTION * slip * push) * area;
-        ContactNode { node: node as usize, normal: DVec3::NEG_Z, prescribed_depth, prescribed_sliding, force }
+        ContactNode {
+            point: ContactPoint::at_node(i as u32, *at),
+            normal: DVec3::NEG_Z,
+            prescribed_depth,
+            prescribed_sliding,
+            force,
+        }
     };
-    let nodes = graph.rest.iter().zip(&graph.face).zip(&graph.area);
-    nodes.map(|((x, node), area)| touching((*x / t, *node, area / (t * t)))).collect()
+    graph.rest.iter().zip(&graph.area).enumerate().map(touching).collect()
 }
 
 const FRICTION: f64 = 0.8;
@@ -314,7 +321,7 @@ fn projected_forces_push_only_and_keep_their_sum() {
     let graph = &MADE.1;
     let compliance = &graph.compliance;
     let face = dragged(graph, 0.1);
-    let (forces, _) = projected_contact(compliance, std::slice::from_ref(&face), FRICTION).remove(0);
+    let (forces, _) = projected_contact(compliance, &graph.face, std::slice::from_ref(&face), FRICTION).remove(0);
     let before: DVec3 = face.iter().map(|n| n.force).sum();
     let after: DVec3 = forces.iter().sum();
     assert!(before.distance(after) < 1e-6 * before.length(), "{before} became {after}, E t2");
@@ -343,7 +350,8 @@ fn projected_forces_converge_where_the_contact_slips() {
         }
         let mut change = 0.0;
         for _ in 0..20 {
-            let (forces, _) = projected_contact(&graph.compliance, std::slice::from_ref(&face), FRICTION).remove(0);
+            let (forces, _) =
+                projected_contact(&graph.compliance, &graph.face, std::slice::from_ref(&face), FRICTION).remove(0);
             let whole: f64 = face.iter().map(|node| node.force.length()).sum();
             change = face.iter().zip(&forces).map(|(node, f)| node.force.distance(*f)).sum::<f64>() / whole;
             face.iter_mut().zip(&forces).for_each(|(node, force)| node.force = *force);

@@ -134,15 +134,16 @@ impl GraspFeatures {
         let nodes = |load: usize| -> Vec<ContactNode> {
             let prescribed = self.equilibrium.prescribed_depths(p, &states[load]);
             let of = |i: usize| {
-                let (force, moved, (prescribed_depth, normal)) = (pressing[load][i], moved[load][i], prescribed[i]);
+                let (force, point) = (pressing[load][i], self.equilibrium.contact_points[p][i]);
+                let (moved, (prescribed_depth, normal)) = (point.interpolate(&moved[load]), prescribed[i]);
                 let prescribed_sliding = moved - normal * moved.dot(normal);
-                ContactNode { node: graph.face[i] as usize, normal, prescribed_depth, prescribed_sliding, force }
+                ContactNode { point, normal, prescribed_depth, prescribed_sliding, force }
             };
             (0..count).map(of).collect()
         };
         let nodes: Vec<Vec<ContactNode>> = (0..states.len()).map(nodes).collect();
         let (force, closing): (Vec<Vec<DVec3>>, Vec<f64>) =
-            projected_contact(&graph.compliance, &nodes, self.model.friction).into_iter().unzip();
+            projected_contact(&graph.compliance, &graph.face, &nodes, self.model.friction).into_iter().unzip();
         let displacement = graph.compliance.face_displacements(&graph.face, &force);
         let parts = nodes.into_iter().zip(moved).zip(force.into_iter().zip(closing)).zip(displacement);
         let of = |(((nodes, equilibrium_displacement), (force, additional_closing)), displacement)| ProjectedContact {

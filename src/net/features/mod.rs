@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 /// Version of the features, increased whenever the meaning of one changes; a network accepts only the version of its
 /// training.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;
 
 /// Features of a face node: x, y; the gap along the closing direction and its decay at three scales; normal of the
 /// object where the node would meet it; distance to the object and its normal when the undeformed pad has closed by 0,
@@ -89,7 +89,7 @@ impl GraspFeatures {
         let (t, n, pads) = (graph.thickness, graph.face.len(), model.fingers.len());
         let moduli = model.material.moduli();
         let mut node = Vec::with_capacity(pads * n * NODE.len());
-        let (mut gaps, mut pad) = (Vec::new(), Vec::new());
+        let (mut gaps, mut pad, mut contact_points) = (Vec::new(), Vec::new(), Vec::new());
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
         for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
@@ -127,6 +127,7 @@ impl GraspFeatures {
             let size = (graph.bounds[1] - graph.bounds[0]) / t;
             let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
+            contact_points.push(sub_element::contact_points(graph, &own, &nearest));
             gaps.push(own);
         }
         let edge = edge_features(graph).repeat(pads);
@@ -149,7 +150,7 @@ impl GraspFeatures {
             model: model.clone(),
             first_contact: touch.clone(),
             young: moduli.young,
-            equilibrium: Arc::new(RigidEquilibrium::new(model, graph, touch)),
+            equilibrium: Arc::new(RigidEquilibrium::new(model, graph, touch, contact_points)),
             to_pad: model.fingers.iter().map(|f| f.placement.rotation.transpose()).collect(),
         }
     }

@@ -1,6 +1,7 @@
 //! Gap between pad and object at points between the nodes of the sensing face, where first contact may occur.
 
 use super::object_query::ObjectQuery;
+use crate::linear_response::contact_point::ContactPoint;
 use crate::linear_response::pad_graph::PadGraph;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
@@ -61,6 +62,28 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
         }
     }
     seen.into_iter().map(|points| least(&points)).collect()
+}
+
+/// Differences between the gap of a node and the smallest gap around it, over the thickness, from and up to which its
+/// contact point moves: more than a curved object has between neighbouring nodes, less than beside an edge, where the
+/// closing direction passes the object.
+const EDGE: [f64; 2] = [0.1, 0.3];
+
+/// Returns the contact points of the face nodes: the nodes, or the points around them that touch the object where a
+/// node lies beside its edge. `gaps` are those of the nodes, `nearest` the smallest ones around them.
+pub(super) fn contact_points(graph: &PadGraph, gaps: &[f64], nearest: &[SmallestGap]) -> Vec<ContactPoint> {
+    let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
+    let point = |(i, (x, (gap, nearest))): (usize, (&DVec3, (&f64, &SmallestGap)))| {
+        let beside = ((gap - nearest.gap - EDGE[0]) / (EDGE[1] - EDGE[0])).clamp(0.0, 1.0);
+        let beside = beside * beside * (3.0 - 2.0 * beside);
+        if beside == 0.0 || nearest.gap > NEAR {
+            return ContactPoint::at_node(i as u32, *x);
+        }
+        let corners = lookup.interpolation_at(*x + (nearest.offset * beside * graph.thickness).extend(0.0));
+        let position = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
+        ContactPoint { position, corners }
+    };
+    graph.rest.iter().zip(gaps.iter().zip(nearest)).enumerate().map(point).collect()
 }
 
 /// Returns the smallest gap, and the mean offset of the points with almost this gap, weighted so that the offset is

@@ -5,6 +5,7 @@ pub mod balance;
 pub mod canonical_pads;
 pub mod compliance;
 pub mod compliance_cache;
+pub mod contact_point;
 pub mod deviator;
 pub mod edges;
 pub mod first_contact;

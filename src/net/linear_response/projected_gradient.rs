@@ -9,6 +9,7 @@
 //! product.
 
 use super::compliance::Compliance;
+use super::contact_point::ContactPoint;
 use crate::matrix::product::{PackedMatrix, RowsView, multiply_lanes};
 use glam::DVec3;
 use mech::contact::coulomb::{cone_factor, slips};
@@ -29,21 +30,26 @@ type Lanes = [f64; LANES];
 /// Face node under load, pad frame; lengths over the thickness, forces over `E t^2`.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactNode {
-    /// Node of the pad.
-    pub node: usize,
+    /// Contact point around the node.
+    pub point: ContactPoint,
     /// Normal of the object; the same under all loads.
     pub normal: DVec3,
-    /// Depth along the normal that the object prescribes at the node; negative is a gap.
+    /// Depth along the normal that the object prescribes at the contact point; negative is a gap.
     pub prescribed_depth: f64,
-    /// Displacement along the face that the object prescribes at the node.
+    /// Displacement along the face that the object prescribes at the contact point.
     pub prescribed_sliding: DVec3,
     /// Initial force.
     pub force: DVec3,
 }
 
-/// Computes the contact of at most [`LANES`] loads under Coulomb's `friction`. Returns, for each, the forces on all of
-/// `face`, and the additional closing of the pad that they require.
-pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], friction: f64) -> Vec<(Vec<DVec3>, f64)> {
+/// Computes the contact of at most [`LANES`] loads of the face with these `nodes` under Coulomb's `friction`. Returns,
+/// for each, the forces on all nodes, and the additional closing of the pad that they require.
+pub fn projected_contact(
+    compliance: &Compliance,
+    nodes: &[u32],
+    face: &[Vec<ContactNode>],
+    friction: f64,
+) -> Vec<(Vec<DVec3>, f64)> {
     let deepest: Vec<f64> =
         face.iter().map(|load| load.iter().map(|n| n.prescribed_depth).fold(0.0, f64::max)).collect();
     // Participation of each node, from zero to one: smooth, so that the forces do not jump when a node comes near.
@@ -62,7 +68,7 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], fri
     if near.is_empty() {
         return done;
     }
-    let mut iteration = ProjectedGradient::new(compliance, face, &near, &deepest, &part, friction);
+    let mut iteration = ProjectedGradient::new((compliance, nodes), face, &near, &deepest, &part, friction);
     for step in 0..STEPS {
         iteration.update_displacements();
         let momentum = (step + 1) as f64 / (step + 4) as f64;
@@ -74,7 +80,8 @@ pub fn projected_contact(compliance: &Compliance, face: &[Vec<ContactNode>], fri
         }
         forces.fill(DVec3::ZERO);
         for (k, i) in near.iter().enumerate().filter(|(_, i)| part[load][**i] > 0.0) {
-            forces[*i] = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
+            let force = DVec3::from_array([0, 1, 2].map(|a| iteration.nodes[k].force[a][load]));
+            face[load][*i].point.weights().for_each(|(node, weight)| forces[node] += force * weight);
         }
         *additional_closing = iteration.additional_closing[load];
     }
@@ -121,7 +128,7 @@ struct ProjectedGradient {
 
 impl ProjectedGradient {
     fn new(
-        compliance: &Compliance,
+        (compliance, nodes): (&Compliance, &[u32]),
         face: &[Vec<ContactNode>],
         near: &[usize],
         deepest: &[f64],
@@ -130,11 +137,18 @@ impl ProjectedGradient {
     ) -> Self {
         let m = near.len();
         let mut matrix = Vec::with_capacity(9 * m * m);
-        for i in near {
+        let points: Vec<ContactPoint> = near.iter().map(|i| face[0][*i].point).collect();
+        let mut row = vec![0.0; 3 * nodes.len()];
+        for own in &points {
             for a in 0..3 {
-                match compliance.row(face[0][*i].node as u32, a) {
-                    Some(row) => near.iter().for_each(|j| matrix.extend_from_slice(&row[3 * j..3 * j + 3])),
-                    None => matrix.resize(matrix.len() + 3 * m, 0.0),
+                row.fill(0.0);
+                for (node, weight) in own.weights() {
+                    let response = compliance.row(nodes[node], a).unwrap_or_default();
+                    row.iter_mut().zip(response).for_each(|(sum, c)| *sum += weight as f32 * c);
+                }
+                for other in &points {
+                    let at = |b: usize| other.weights().map(|(node, weight)| weight as f32 * row[3 * node + b]).sum();
+                    matrix.extend([0, 1, 2].map(at) as [f32; 3]);
                 }
             }
         }

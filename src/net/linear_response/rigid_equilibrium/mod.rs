@@ -11,6 +11,7 @@
 
 mod step;
 
+use crate::linear_response::contact_point::ContactPoint;
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::linear_response::{GraspLoad, enclosing_pair};
@@ -19,6 +20,8 @@ use glam::{DMat3, DQuat, DVec3};
 use model::Model;
 use std::sync::Arc;
 
+/// Distance by which a point inside the object is moved back against the closing direction, over its depth.
+const BACK: f64 = 2.0;
 /// Force of each step of the path over that of the previous one.
 const STEP: f64 = 1.5;
 /// Force of the first step.
@@ -52,8 +55,10 @@ pub struct RigidEquilibrium {
     /// States of the path with their forces: first contact, `FIRST`, then steps by the factor `STEP` and the release,
     /// up to at least the largest force.
     path: Vec<(f64, Equilibrium)>,
-    /// Queries of the object at every face node of each pad at the end of the path.
-    face_queries: Vec<Vec<QueriedPoint>>,
+    /// Contact points of each pad, one for each face node.
+    pub(crate) contact_points: Vec<Vec<ContactPoint>>,
+    /// Queries of the object at every contact point of each pad, at first contact and at the end of the path.
+    face_queries: Vec<[Vec<QueriedPoint>; 2]>,
 }
 
 /// Frame of a finger.
@@ -117,7 +122,12 @@ impl Equilibrium {
 
 impl RigidEquilibrium {
     /// Creates the grasp of `model` from first contact `touch`, and its path to the model's largest force.
-    pub fn new(model: &Model, graph: &Arc<PadGraph>, touch: &GeometricContact) -> Self {
+    pub fn new(
+        model: &Model,
+        graph: &Arc<PadGraph>,
+        touch: &GeometricContact,
+        contact_points: Vec<Vec<ContactPoint>>,
+    ) -> Self {
         let (t, midpoint) = (graph.thickness, model.midpoint_between_pads());
         let unit = model.material.moduli().young * t.powi(2);
         let finger = |(finger, travel): (&model::part::FingerModel, &f64)| {
@@ -136,6 +146,7 @@ impl RigidEquilibrium {
             release: model.release / unit,
             smallest_gaps: vec![0.0; model.fingers.len()],
             path: Vec::new(),
+            contact_points,
             face_queries: Vec::new(),
         };
         let object = Object { model, pose: touch.object, midpoint, thickness: t };
@@ -161,8 +172,8 @@ impl RigidEquilibrium {
             }
         }
         equilibrium.held = false;
-        equilibrium.face_queries =
-            (0..equilibrium.fingers.len()).map(|p| equilibrium.query_face(p, &state, &object)).collect();
+        let ends = |p: usize| [&equilibrium.path[0].1, &state].map(|at| equilibrium.query_face(p, at, &object));
+        equilibrium.face_queries = (0..equilibrium.fingers.len()).map(ends).collect();
         equilibrium.path.push((force, state));
         equilibrium
     }
@@ -251,17 +262,31 @@ impl RigidEquilibrium {
         self.solve_equilibrium(&Equilibrium { queries, ..squeezed.clone() }, load).0
     }
 
-    /// Returns the depth that the object prescribes at each face node of `pad` along its normal, with this normal;
+    /// Returns the depth that the object prescribes at each contact point of `pad` along its
+    /// normal, with this normal;
     /// negative is a gap.
     pub fn prescribed_depths(&self, pad: usize, state: &Equilibrium) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
-        let along = |(seen, x): (&QueriedPoint, &DVec3)| {
-            let apart =
-                self.hand_position(pad, *x, DVec3::ZERO, state) - state.rotation * seen.point - state.translation;
-            let apart = inverse * apart;
-            (-seen.gap - seen.normal.dot(apart), seen.normal)
+        // A tangent plane of the object predicts the depth near the state in which it was found.
+        let end = self.path.last().map_or(0.0, |(_, end)| end.travel[pad]);
+        let part = if end > 0.0 { (state.travel[pad] / end).clamp(0.0, 1.0) } else { 1.0 };
+        let along = |(at, (first, last)): (&ContactPoint, (&QueriedPoint, &QueriedPoint))| {
+            let depth = |seen: &QueriedPoint| {
+                let apart = self.hand_position(pad, at.position, DVec3::ZERO, state)
+                    - state.rotation * seen.point
+                    - state.translation;
+                -seen.gap - seen.normal.dot(inverse * apart)
+            };
+            if at.is_moved() && first.normal != DVec3::ZERO {
+                return (depth(first), first.normal);
+            }
+            if first.normal == DVec3::ZERO || last.normal == DVec3::ZERO {
+                return (depth(last), last.normal);
+            }
+            (depth(first) + part * (depth(last) - depth(first)), last.normal)
         };
-        self.face_queries[pad].iter().zip(&self.graph.rest).map(along).collect()
+        let [first, last] = &self.face_queries[pad];
+        self.contact_points[pad].iter().zip(first.iter().zip(last)).map(along).collect()
     }
 
     /// Returns the position of a point of `pad` with reference position `at` (m, pad frame) and displacement `moved`.
@@ -272,8 +297,18 @@ impl RigidEquilibrium {
 
     /// Queries the object at the point `place` of `pad`, with the grasp at `state`.
     fn query_point(&self, pad: usize, place: DVec3, state: &Equilibrium, object: &Object) -> QueriedPoint {
-        let point = state.rotation.inverse() * (place - state.translation);
-        let (gap, normal) = object.distance_and_normal(point);
+        let inverse = state.rotation.inverse();
+        let point = inverse * (place - state.translation);
+        let (mut gap, mut normal) = object.distance_and_normal(point);
+        if gap < 0.0 {
+            // Inside the object the nearest face may be another one than the pad has met: seen from before that face,
+            // its tangent plane is extended to the point.
+            let back = inverse * self.fingers[pad].closing * (BACK * gap);
+            let (before, met) = object.distance_and_normal(point + back);
+            if before > 0.0 {
+                (gap, normal) = (before - met.dot(back), met);
+            }
+        }
         QueriedPoint {
             gap: gap - self.smallest_gaps[pad],
             normal: self.fingers[pad].rotation.transpose() * (state.rotation * normal),
@@ -310,16 +345,17 @@ impl RigidEquilibrium {
         state
     }
 
-    /// Queries the object at the face nodes of `pad`, with the grasp at `state`.
+    /// Queries the object at the contact points of `pad`, with the grasp at `state`.
     fn query_face(&self, pad: usize, state: &Equilibrium, object: &Object) -> Vec<QueriedPoint> {
         let graph = &self.graph;
         let forces = graph.basis.face_forces(&state.force[pad], graph.face.len());
         let moved = graph.compliance.face_displacements(&graph.face, &[forces]).remove(0);
-        let see = |(x, u): (&DVec3, &DVec3)| {
-            let seen = self.query_point(pad, self.hand_position(pad, *x, *u, state), state, object);
+        let see = |at: &ContactPoint| {
+            let moved = at.interpolate(&moved);
+            let seen = self.query_point(pad, self.hand_position(pad, at.position, moved, state), state, object);
             if seen.gap < MAX_QUERY_GAP { seen } else { QueriedPoint { normal: DVec3::ZERO, ..seen } }
         };
-        graph.rest.iter().zip(&moved).map(see).collect()
+        self.contact_points[pad].iter().map(see).collect()
     }
 }
 
