@@ -50,7 +50,7 @@ pub fn evaluate(set: &DataSet, predictor: &Predictor, split: &str, extrapolate: 
     samples.par_iter().map(|sample| interrupt::check().and_then(|()| evaluate_grasp(predictor, sample))).collect()
 }
 
-/// Reads the test grasps of `split`.
+/// Reads the test grasps of `split` that reached their load; none if all of them were dropped.
 ///
 /// # Errors
 /// Fails in the cases of [`evaluate`].
@@ -61,6 +61,9 @@ pub fn test_grasps(set: &DataSet, predictor: &Predictor, split: &str, extrapolat
             object.require_equal_pads("a network")?;
             predictor.card.range.check_pad(&object.pads[0])?;
         }
+    }
+    if set.select(&poses).is_empty() && !set.select_dropped(&poses).is_empty() {
+        return Ok(Vec::new());
     }
     let (samples, range) = data::read(&[(set, &poses)], &predictor.pads, LabelNodes::Scene, usize::MAX)?;
     if !extrapolate {

@@ -17,9 +17,9 @@ impl ContactPoint {
         Self { position, corners: [(node, 1.0), (node, 0.0), (node, 0.0)] }
     }
 
-    /// Returns true if it is not at its node.
-    pub fn is_moved(&self) -> bool {
-        self.corners[0].1 != 1.0
+    /// Returns the face node at which it lies; None if it lies between nodes.
+    pub fn node(&self) -> Option<usize> {
+        (self.corners[0].1 == 1.0).then_some(self.corners[0].0 as usize)
     }
 
     /// Returns the corners of nonzero weight.

@@ -277,7 +277,7 @@ impl RigidEquilibrium {
                     - state.translation;
                 -seen.gap - seen.normal.dot(inverse * apart)
             };
-            if at.is_moved() && first.normal != DVec3::ZERO {
+            if at.node().is_none() && first.normal != DVec3::ZERO {
                 return (depth(first), first.normal);
             }
             if first.normal == DVec3::ZERO || last.normal == DVec3::ZERO {
