@@ -127,7 +127,7 @@ impl GraspFeatures {
             let size = (graph.bounds[1] - graph.bounds[0]) / t;
             let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
-            contact_points.push(sub_element::contact_points(graph, &own, &nearest));
+            contact_points.push(sub_element::contact_points(&view, graph, &own, &nearest));
             gaps.push(own);
         }
         let edge = edge_features(graph).repeat(pads);

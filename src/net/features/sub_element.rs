@@ -68,20 +68,41 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
 /// contact point moves: more than a curved object has between neighbouring nodes, less than beside an edge, where the
 /// closing direction passes the object.
 const EDGE: [f64; 2] = [0.1, 0.3];
+/// Number of bisections that locate an edge between a node and a point in contact, about half a thickness apart.
+const BISECTIONS: usize = 6;
+/// Distance of a contact point from the edge, over the thickness: above the error of a grazing ray, so that the object
+/// touches the point with its face.
+const INSIDE: f64 = 0.02;
 
-/// Returns the contact points of the face nodes: the nodes, or the points around them that touch the object where a
-/// node lies beside its edge. `gaps` are those of the nodes, `nearest` the smallest ones around them.
-pub(super) fn contact_points(graph: &PadGraph, gaps: &[f64], nearest: &[SmallestGap]) -> Vec<ContactPoint> {
-    let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
+/// Returns the contact points of the face nodes: the nodes, or, where a node lies beside the edge of the object, the
+/// point at this edge. `view` is the object as seen from one pad at first contact; `gaps` are those of the nodes,
+/// `nearest` the smallest ones around them.
+pub(super) fn contact_points(
+    view: &ObjectQuery,
+    graph: &PadGraph,
+    gaps: &[f64],
+    nearest: &[SmallestGap],
+) -> Vec<ContactPoint> {
+    let (t, lookup) = (graph.thickness, FaceLookup::new(&graph.rest, &graph.triangles));
     let point = |(i, (x, (gap, nearest))): (usize, (&DVec3, (&f64, &SmallestGap)))| {
         let beside = ((gap - nearest.gap - EDGE[0]) / (EDGE[1] - EDGE[0])).clamp(0.0, 1.0);
         let beside = beside * beside * (3.0 - 2.0 * beside);
         if beside == 0.0 || nearest.gap > NEAR {
             return ContactPoint::at_node(i as u32, *x);
         }
-        let corners = lookup.interpolation_at(*x + (nearest.offset * beside * graph.thickness).extend(0.0));
-        let position = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
-        ContactPoint { position, corners }
+        let at = |part: f64| {
+            let corners = lookup.interpolation_at(*x + (nearest.offset * part * t).extend(0.0));
+            let position: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
+            ContactPoint { position, corners }
+        };
+        let far = (nearest.gap.max(0.0) + EDGE[0]) * t;
+        let touches = |part: f64| view.gap(view.pad_to_object(at(part).position), far) < far;
+        let (mut off, mut on) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (off + on);
+            *(if touches(middle) { &mut on } else { &mut off }) = middle;
+        }
+        at(beside * (on + INSIDE / nearest.offset.length().max(INSIDE)))
     };
     graph.rest.iter().zip(gaps.iter().zip(nearest)).enumerate().map(point).collect()
 }
