@@ -1,5 +1,6 @@
 //! Gap between pad and object at points between the nodes of the sensing face, where first contact may occur.
 
+use super::MAX_GAP;
 use super::object_query::ObjectQuery;
 use crate::linear_response::contact_point::ContactPoint;
 use crate::linear_response::pad_graph::PadGraph;
@@ -88,12 +89,15 @@ pub(super) fn contact_points(
         let beside = ((gap - nearest.gap - EDGE[0]) / (EDGE[1] - EDGE[0])).clamp(0.0, 1.0);
         let beside = beside * beside * (3.0 - 2.0 * beside);
         if beside == 0.0 || nearest.gap > NEAR {
-            return ContactPoint::at_node(i as u32, *x);
+            // Out of sight, it is beside the object, too.
+            let covered = if *gap < MAX_GAP { 1.0 } else { 0.0 };
+            return ContactPoint::at_node(i as u32, *x, covered);
         }
         let at = |part: f64| {
             let corners = lookup.interpolation_at(*x + (nearest.offset * part * t).extend(0.0));
             let position: DVec3 = corners.iter().map(|(i, w)| graph.rest[*i as usize] * *w).sum();
-            ContactPoint { position, corners }
+            let covered = 1.0 - beside * (0.5 + position.distance(*x) / graph.area[i].sqrt()).min(1.0);
+            ContactPoint { position, corners, covered }
         };
         let far = (nearest.gap.max(0.0) + EDGE[0]) * t;
         let touches = |part: f64| view.gap(view.pad_to_object(at(part).position), far) < far;

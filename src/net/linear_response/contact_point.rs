@@ -9,12 +9,14 @@ pub struct ContactPoint {
     pub position: DVec3,
     /// Face nodes around it, with the weights of linear interpolation; those of weight zero come last.
     pub corners: [(u32, f64); 3],
+    /// Fraction of the face around the node that the object covers.
+    pub covered: f64,
 }
 
 impl ContactPoint {
     /// Creates the contact point at face node `node` with this reference position.
-    pub fn at_node(node: u32, position: DVec3) -> Self {
-        Self { position, corners: [(node, 1.0), (node, 0.0), (node, 0.0)] }
+    pub fn at_node(node: u32, position: DVec3, covered: f64) -> Self {
+        Self { position, corners: [(node, 1.0), (node, 0.0), (node, 0.0)], covered }
     }
 
     /// Returns the face node at which it lies; None if it lies between nodes.

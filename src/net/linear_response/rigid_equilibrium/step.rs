@@ -151,8 +151,10 @@ impl RigidEquilibrium {
                     (0..3).for_each(|c| column[3 * a + c] = row[3 * to + c]);
                 }
                 for c in 0..3 {
-                    let along = f64::from(u8::from(k == c)) - query.normal[k] * query.normal[c];
-                    column[3 * b + c] += contact.slip_compliance[*from] * along;
+                    let out = query.normal[k] * query.normal[c];
+                    let along = f64::from(u8::from(k == c)) - out;
+                    column[3 * b + c] += contact.slip_compliance[*from] * along
+                        + self.basis_points[pad][*from].uncovered_compliance * out;
                 }
                 let moves = self.rigid_jacobian_row(pad, before, query, DVec3::AXES[k]);
                 (0..RIGID).for_each(|m| columns[(3 * b + k, m)] = moves[m]);
