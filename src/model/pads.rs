@@ -5,10 +5,12 @@ use crate::limits::{self, PadSize};
 use crate::part::{FingerModel, pad};
 use base::error::{Error, Result};
 use base::scales;
+use geometry::mesh::quality::Quality;
+use geometry::pad::PadMesh;
 use geometry::shape::Shape;
 use mech::contact::law::ContactLaw;
 use mech::material::{FixedCorotated, Linear, Material, NeoHookean};
-use scene::{self, Fingers, MaterialSpec, Scene};
+use scene::{self, Element, FinerMesh, Fingers, Gripper, MaterialSpec, Pads, Scene};
 use std::sync::Arc;
 
 /// Pads of a scene.
@@ -50,6 +52,10 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
         let known = pad::size(pads, fem.element).map_err(about)?.map(admit).transpose()?;
         let mut news = Vec::new();
         let (mesh, quality) = pad::build(pads, &mut news).map_err(about)?;
+        let (mesh, quality) = match (pads, fem.mesh) {
+            (Pads::File(_), Some(finer)) => finer_shape((&mesh, quality), &own.gripper, &finer).map_err(about)?,
+            _ => (mesh, quality),
+        };
         news.retain(|notice| !notices.contains(notice));
         notices.extend(news);
         memory = known.map_or_else(|| admit(PadSize::of_pad(&mesh, fem.element)), Ok)?;
@@ -72,6 +78,17 @@ pub(super) fn build(scene: &Scene, object: &Shape, fem: &scene::Fem, notices: &m
         fingers.push(right);
     }
     Ok(MeshedPads { fingers, memory, offset })
+}
+
+/// Meshes the shape of a pad from a file anew, with cells narrower than those of the file by the factor of `finer`.
+///
+/// # Errors
+/// Fails as [`FingerModel::remeshed`] does.
+fn finer_shape(pad: (&PadMesh, Quality), gripper: &Gripper, finer: &FinerMesh) -> Result<(PadMesh, Quality)> {
+    let given = scene::Fem { element: Element::Linear, ..scene::Fem::default() };
+    let offset = scales::contact_offset(Some(pad.0.thickness()), 0.0);
+    let finger = FingerModel::build(pad, 0, gripper, &given, (law(gripper.material.spec()), offset))?;
+    finger.remeshed_pad(finger.cell_width() / finer.finer.get())
 }
 
 /// Returns the constitutive law of a gel.

@@ -78,13 +78,13 @@ impl Default for Fem {
     }
 }
 
-/// Finer mesh of generated pads.
+/// Finer mesh of the pads. A pad from a file is meshed anew by a structured grid in its shape.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FinerMesh {
     /// Ratio of the mesh spacing of the pads to that of the finer mesh.
     pub finer: Positive,
-    /// Ratio of the cell widths at the rim and at the centre of the finer mesh; 1 is uniform.
+    /// Ratio of the cell widths at the rim and at the centre of the finer mesh; 1 is uniform, as for pads from a file.
     #[serde(default = "defaults::pad_focus")]
     pub focus: Ratio,
 }

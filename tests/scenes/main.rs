@@ -14,6 +14,7 @@ mod campaign;
 mod certified;
 mod expected_effort;
 mod files_from_the_wild;
+mod finer_pads;
 mod links;
 #[cfg(unix)]
 mod mutations;

@@ -255,15 +255,34 @@ impl FingerModel {
     /// # Errors
     /// Fails for a pad whose sensing face has no star-shaped outline.
     pub fn remeshed(&self, spacing: f64) -> Result<Self> {
-        let PadTopology { rest, surface, sensing, bonded, .. } = &*self.topology;
-        let thickness = self.topology.thickness();
-        let shape = pad::PadShape { nodes: rest, surface, sensing, bonded };
-        let mesh = pad::remesh(&shape, thickness, spacing * thickness)?;
-        let quality = quality(&mesh.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
+        let (mesh, quality) = self.remeshed_pad(spacing * self.topology.thickness())?;
         let material = self.body.material.clone();
         let gel = Gel { young: material.moduli().young, density: self.gel_density, material };
         let element = (Element::Quadratic, scene::Fem::default().mean_dilatation);
         Self::from_mesh((&mesh, quality), self.placement, element, gel, (self.law.friction, self.law.offset))
+    }
+
+    /// Returns the shape of the pad meshed anew by a structured grid with cells of the width `spacing`, m, and the quality
+    /// of this mesh.
+    ///
+    /// # Errors
+    /// Fails as [`Self::remeshed`] does.
+    pub fn remeshed_pad(&self, spacing: f64) -> Result<(PadMesh, Quality)> {
+        let PadTopology { rest, surface, sensing, bonded, .. } = &*self.topology;
+        let shape = pad::PadShape { nodes: rest, surface, sensing, bonded };
+        let mesh = pad::remesh(&shape, self.topology.thickness(), spacing)?;
+        let quality = quality(&mesh.mesh).ok_or_else(|| Error::Mesh("the pad has no tetrahedron".into()))?;
+        Ok((mesh, quality))
+    }
+
+    /// Returns the mean width of two triangles of the sensing face, m.
+    pub fn cell_width(&self) -> f64 {
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| self.topology.rest[i as usize]);
+            (b - a).cross(c - a).length()
+        };
+        let sensing = &self.topology.sensing;
+        (sensing.iter().map(area).sum::<f64>() / sensing.len().max(1) as f64).sqrt()
     }
 
     /// Returns this pad on finger `side` (0 left, 1 right); all data except the placement are shared.

@@ -1,6 +1,14 @@
-//! Contact points of a sensing face: one for each of its nodes, where the object touches the face around the node.
+//! Contact points of a sensing face: one for each of its nodes and for each basis function of its force, where the object
+//! touches the face around them.
 
+use super::pad_graph::PadGraph;
 use glam::DVec3;
+
+/// Covered fraction of a basis function below which it lies beside the object.
+const LEAST_COVERED: f64 = 0.02;
+/// Compliance of a basis function of which half is covered, beyond that of a whole one, over its own: a narrower
+/// contact yields more. `a_flat_face_sinks_in_steadily_less_with_its_width`.
+const UNCOVERED: f64 = 0.3;
 
 /// Point of a sensing face between three of its nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,5 +40,32 @@ impl ContactPoint {
     /// Returns the interpolation of vectors of the face nodes.
     pub fn interpolate(&self, of_nodes: &[DVec3]) -> DVec3 {
         self.weights().map(|(node, weight)| of_nodes[node] * weight).sum()
+    }
+}
+
+/// Point of a basis function that touches the object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasisPoint {
+    /// Reference position, m, pad frame.
+    pub position: DVec3,
+    /// Compliance of the part of the face that the object does not cover, between this point and the object.
+    pub uncovered_compliance: f64,
+}
+
+impl BasisPoint {
+    /// Returns those of all basis functions of a pad with these contact points of its face nodes.
+    pub fn all(graph: &PadGraph, points: &[ContactPoint]) -> Vec<Self> {
+        let basis = &graph.basis;
+        let of = |(function, (weights, center)): (usize, (&Vec<(u32, f64)>, &DVec3))| {
+            let parts =
+                || weights.iter().map(|(node, weight)| (weight * points[*node as usize].covered, *node as usize));
+            let covered: f64 = parts().map(|(part, _)| part).sum();
+            if covered > 1.0 - 1e-9 || covered < LEAST_COVERED {
+                return Self { position: *center, uncovered_compliance: 0.0 };
+            }
+            let position = parts().map(|(part, node)| points[node].position * (part / covered)).sum();
+            Self { position, uncovered_compliance: basis.self_compliance(function) * UNCOVERED * (1.0 / covered - 1.0) }
+        };
+        basis.node_weights.iter().zip(&basis.centers).enumerate().map(of).collect()
     }
 }

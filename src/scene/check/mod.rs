@@ -88,11 +88,6 @@ pub(super) fn check(scene: &Scene) -> Result<(), Problem> {
         );
     }
     gripper(scene)?;
-    if scene.finer_mesh().is_some()
-        && [0, 1].iter().any(|side| matches!(scene.gripper.with_equal_fingers(*side).pads, Pads::File(_)))
-    {
-        return problem_at("stepper.mesh", "the mesh of a pad from a file is fixed\nleave it out");
-    }
     grasps(&scene.grasps)?;
     loading(scene)?;
     dynamic(scene)?;

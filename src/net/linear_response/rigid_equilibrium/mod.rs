@@ -11,7 +11,7 @@
 
 mod step;
 
-use crate::linear_response::contact_point::ContactPoint;
+use crate::linear_response::contact_point::{BasisPoint, ContactPoint};
 use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::PadGraph;
 use crate::linear_response::{GraspLoad, enclosing_pair};
@@ -22,11 +22,6 @@ use std::sync::Arc;
 
 /// Distance by which a point inside the object is moved back against the closing direction, over its depth.
 const BACK: f64 = 2.0;
-/// Covered fraction of a basis function below which it lies beside the object.
-const LEAST_COVERED: f64 = 0.02;
-/// Compliance of a basis function of which half is covered, beyond that of a whole one, over its own: a narrower
-/// contact yields more. `a_flat_face_sinks_in_steadily_less_with_its_width`.
-const UNCOVERED: f64 = 0.3;
 /// Force of each step of the path over that of the previous one.
 const STEP: f64 = 1.5;
 /// Force of the first step.
@@ -66,33 +61,6 @@ pub struct RigidEquilibrium {
     basis_points: Vec<Vec<BasisPoint>>,
     /// Queries of the object at every contact point of each pad, at first contact and at the end of the path.
     face_queries: Vec<[Vec<QueriedPoint>; 2]>,
-}
-
-/// Point of a basis function that touches the object.
-#[derive(Debug, Clone)]
-struct BasisPoint {
-    /// Reference position, m, pad frame.
-    position: DVec3,
-    /// Compliance of the part of the face that the object does not cover, between this point and the object.
-    uncovered_compliance: f64,
-}
-
-impl BasisPoint {
-    /// Returns those of all basis functions of a pad with these contact points of its face nodes.
-    fn all(graph: &PadGraph, points: &[ContactPoint]) -> Vec<Self> {
-        let basis = &graph.basis;
-        let of = |(function, (weights, center)): (usize, (&Vec<(u32, f64)>, &DVec3))| {
-            let parts =
-                || weights.iter().map(|(node, weight)| (weight * points[*node as usize].covered, *node as usize));
-            let covered: f64 = parts().map(|(part, _)| part).sum();
-            if covered > 1.0 - 1e-9 || covered < LEAST_COVERED {
-                return Self { position: *center, uncovered_compliance: 0.0 };
-            }
-            let position = parts().map(|(part, node)| points[node].position * (part / covered)).sum();
-            Self { position, uncovered_compliance: basis.self_compliance(function) * UNCOVERED * (1.0 / covered - 1.0) }
-        };
-        basis.node_weights.iter().zip(&basis.centers).enumerate().map(of).collect()
-    }
 }
 
 /// Frame of a finger.
