@@ -129,3 +129,21 @@ fn a_push_past_friction_drops_the_object_where_finite_elements_do() {
         "finite elements hold {truth}, the network {predicted} of Coulomb's limit"
     );
 }
+
+/// Where finite elements drop every grasp, `eval` compares the loads at which the objects slip: those of a ball that is
+/// pushed agree within a tenth.
+#[test]
+fn loads_at_which_objects_slip_are_compared() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "(object: (shape: Sphere(radius: 0.02)), gripper: (pads: GelSightMini(spacing: 2.6e-3), friction: 0.5),
+        loading: Squeeze(force: 10.0, frames: 2, push: (force: (0.0, 7.5, 0.0), frames: 30)), stepper: Fem(solver: Condensed()))";
+    std::fs::write(dir.path().join("push.ron"), text).unwrap();
+    let tactus = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_tactus"));
+        String::from_utf8(command.args(arguments).current_dir(dir.path()).output().unwrap().stdout).unwrap()
+    };
+    tactus(&["dataset", "push.ron", "-o", "data"]);
+    let said = tactus(&["eval", "data", "--split", "all", "--extrapolate", "--model", "universe"]);
+    assert!(said.contains("slip: 1 grasp dropped under a push"), "{said}");
+    assert!(said.contains("within a tenth for 100 % of them"), "{said}");
+}
