@@ -22,8 +22,8 @@ use std::ops::Range;
 /// Number of loads of a ramp, and of a push, that are decoded initially.
 const INITIAL_LOADS: usize = 12;
 /// Largest ratio of the interpolation error of the displacement to the error predicted by the network: if both are
-/// independent, their combination is 2 % larger than the latter, sqrt(1.02^2 - 1).
-const LARGEST_ERROR_RATIO: f64 = 0.2;
+/// independent, their combination is 3 % larger than the latter, sqrt(1 + 0.25^2).
+const LARGEST_ERROR_RATIO: f64 = 0.25;
 /// Smallest factor by which halving the distance between the loads reduces the error of the cubic polynomial, even at a
 /// kink.
 const ERROR_REDUCTION: f64 = 2.0;

@@ -21,8 +21,8 @@ pub type SlipIndicators = [f64; SLIP_INDICATORS];
 const TAIL: f64 = 0.05;
 /// Number of parts of the grasps, each of which is compared with an estimate from the others.
 const FOLDS: usize = 10;
-/// Ridge regularisation of the coefficients, per grasp: with few grasps, the load is that of the limit surface.
-const RIDGE: f64 = 0.1;
+/// Ridge regularisation of the coefficients: with few grasps, the load is that of the limit surface.
+const RIDGE: f64 = 7.0;
 /// Number of iterations of reweighted least squares (Holland and Welsch 1977), and the deviation below which all weights
 /// are equal.
 const REWEIGHTINGS: usize = 20;
@@ -111,7 +111,7 @@ fn least_deviations(rows: &[(SlipIndicators, f64)]) -> Option<SlipIndicators> {
                 (signs.map(|sign| weight * sign), weight * target)
             })
             .collect();
-        mean = least_squares(&weighted, RIDGE, &[])?;
+        mean = least_squares(&weighted, RIDGE / rows.len() as f64, &[])?;
     }
     Some(mean)
 }
