@@ -24,7 +24,7 @@ network() {
     judged "with weight: scenes/gravity.ron" gravity all scenes/gravity.ron --grasps 3
     judged "balls of 5 to 32 mm radius" balls all tests/network/balls.ron
     [ -d ../shared/data ] || return 0
-    judged "GelSight Mini pads meshed by gmsh, against finite elements on these coarse meshes" own_pads all tests/network/own_pads.ron
+    judged "GelSight Mini pads meshed by gmsh, against finite elements on finer meshes of their shape" own_pads all tests/network/own_pads.ron
     judged "sixteen scanned objects" scans all tests/network/scans.ron
     printf '\nThe scanned objects with `error_at_most`:\n\n```text\n'
     grep '^error_at_most' "$OUT/scans_$mechanics.txt"

@@ -1,7 +1,7 @@
 # Grasps per second by the network
 
 # Grasps per second of `tactus predict` on lemons, with the given options.
-a_second() { tactus predict tests/network/lemons.ron "$@" 2> /dev/null | sed -n 's/.* on [0-9]* threads, \([0-9]*\) per second.*/\1/p'; }
+a_second() { tactus predict tests/network/lemons.ron "$@" 2> /dev/null | sed -n 's/.* on [0-9]* threads\{0,1\}, \([0-9]*\) per second.*/\1/p'; }
 
 predictions() {
     local frames

@@ -56,16 +56,17 @@ impl BasisPoint {
     /// Returns those of all basis functions of a pad with these contact points of its face nodes.
     pub fn all(graph: &PadGraph, points: &[ContactPoint]) -> Vec<Self> {
         let basis = &graph.basis;
-        let of = |(function, (weights, center)): (usize, (&Vec<(u32, f64)>, &DVec3))| {
+        let of = |function: usize| {
+            let (weights, center) = (&basis.node_weights[function], basis.centers[function]);
             let parts =
                 || weights.iter().map(|(node, weight)| (weight * points[*node as usize].covered, *node as usize));
             let covered: f64 = parts().map(|(part, _)| part).sum();
-            if covered > 1.0 - 1e-9 || covered < LEAST_COVERED {
-                return Self { position: *center, uncovered_compliance: 0.0 };
+            if !(LEAST_COVERED..1.0 - 1e-9).contains(&covered) {
+                return Self { position: center, uncovered_compliance: 0.0 };
             }
             let position = parts().map(|(part, node)| points[node].position * (part / covered)).sum();
             Self { position, uncovered_compliance: basis.self_compliance(function) * UNCOVERED * (1.0 / covered - 1.0) }
         };
-        basis.node_weights.iter().zip(&basis.centers).enumerate().map(of).collect()
+        (0..basis.count()).map(of).collect()
     }
 }
