@@ -3,8 +3,8 @@
 //!
 //! One trial: a surface point, uniform by area; a closing axis, uniform in the cone about the inward normal, which must
 //! leave the object within the cone of the opposite normal; an approach direction, uniform about the axis. The pads are
-//! centred on the midpoint of the two contacts, or offset from it; the hand must be free of collisions with the object when open and at
-//! first contact.
+//! centred on the midpoint of the two contacts, or offset from it; the hand must be free of collisions with the object
+//! when open and at first contact.
 
 use crate::gripper::Hand;
 use crate::gripper::hand::HandPart;

@@ -23,6 +23,7 @@ use crate::linear_response::first_contact::GeometricContact;
 use crate::linear_response::pad_graph::{Layout, PadGraph};
 use crate::linear_response::rigid_equilibrium::RigidEquilibrium;
 use crate::matrix::Sparse;
+use geometry::face_lookup::FaceLookup;
 use glam::{DMat3, DVec3};
 use model::Model;
 use std::sync::Arc;
@@ -91,11 +92,12 @@ impl GraspFeatures {
         let mut node = Vec::with_capacity(pads * n * NODE.len());
         let (mut gaps, mut pad, mut contact_points) = (Vec::new(), Vec::new(), Vec::new());
         let area: Vec<f64> = graph.area.iter().map(|a| a / (t * t)).collect();
+        let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
         for (finger, travel) in model.fingers.iter().zip(&touch.travel) {
             let placement = &finger.placement;
             let view = ObjectQuery::new(model, touch, placement, *travel);
             let own: Vec<f64> = graph.rest.iter().map(|x| view.gap(view.pad_to_object(*x), MAX_GAP * t) / t).collect();
-            let nearest = sub_element::smallest_gaps(&view, graph, &own);
+            let nearest = sub_element::smallest_gaps(&view, graph, &lookup, &own);
             for (i, (x, gap)) in graph.rest.iter().zip(&own).enumerate() {
                 let (at, gap) = (view.pad_to_object(*x), *gap);
                 let normal = view.distance_and_normal(at + view.closing * (gap.min(MAX_GAP) * t)).1;
@@ -127,7 +129,7 @@ impl GraspFeatures {
             let size = (graph.bounds[1] - graph.bounds[0]) / t;
             let spacing = (area.iter().sum::<f64>() / n as f64).sqrt();
             pad.extend([size.x, size.y, spacing, f64::from(u8::from(model.free))].map(|v| v as f32));
-            contact_points.push(sub_element::contact_points(&view, graph, &own, &nearest));
+            contact_points.push(sub_element::contact_points(&view, graph, &lookup, &own, &nearest));
             gaps.push(own);
         }
         let edge = edge_features(graph).repeat(pads);

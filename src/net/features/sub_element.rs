@@ -25,10 +25,15 @@ const NEAR: f64 = 0.6;
 const ALIKE: f64 = 0.01;
 
 /// Returns the smallest gap around each node of the sensing face, in the order of `graph.face`. `view` is the object as
-/// seen from one pad at first contact; `gaps` are the gaps of the face nodes themselves, over the thickness. Samples
+/// seen from one pad at first contact; `gaps` are the gaps of the face nodes themselves, over the thickness; `lookup` locates points in the face. Samples
 /// are the midpoints of face edges, the centroids of face triangles, and the contact points of the object (vertices and
 /// points of sharp edges).
-pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) -> Vec<SmallestGap> {
+pub(super) fn smallest_gaps(
+    view: &ObjectQuery,
+    graph: &PadGraph,
+    lookup: &FaceLookup,
+    gaps: &[f64],
+) -> Vec<SmallestGap> {
     let t = graph.thickness;
     // Samples around each node, including itself: their gaps and offsets.
     let mut seen: Vec<Vec<SmallestGap>> =
@@ -48,7 +53,6 @@ pub(super) fn smallest_gaps(view: &ObjectQuery, graph: &PadGraph, gaps: &[f64]) 
     };
     graph.edges.list.iter().filter(|(a, b)| a < b).for_each(|(a, b)| between(&[*a, *b]));
     graph.triangles.iter().for_each(|t| between(t));
-    let lookup = FaceLookup::new(&graph.rest, &graph.triangles);
     let highest = graph.rest.iter().map(|x| x.z).fold(f64::NEG_INFINITY, f64::max);
     for feature in view.model.features.iter() {
         let at = view.object_to_pad(feature.position);
@@ -81,10 +85,11 @@ const INSIDE: f64 = 0.02;
 pub(super) fn contact_points(
     view: &ObjectQuery,
     graph: &PadGraph,
+    lookup: &FaceLookup,
     gaps: &[f64],
     nearest: &[SmallestGap],
 ) -> Vec<ContactPoint> {
-    let (t, lookup) = (graph.thickness, FaceLookup::new(&graph.rest, &graph.triangles));
+    let t = graph.thickness;
     let point = |(i, (x, (gap, nearest))): (usize, (&DVec3, (&f64, &SmallestGap)))| {
         let beside = ((gap - nearest.gap - EDGE[0]) / (EDGE[1] - EDGE[0])).clamp(0.0, 1.0);
         let beside = beside * beside * (3.0 - 2.0 * beside);

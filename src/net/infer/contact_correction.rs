@@ -130,16 +130,14 @@ const GAP_DIFFERENCE: usize = 26;
 fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose) -> Vec<NearNode> {
     let (model, graph) = (&*features.model, &features.graph);
     let finger = &model.fingers[p];
-    let pressing = |node: &u32| -pad.contact[*node as usize].z;
-    let most = graph.face.iter().map(pressing).fold(0.0, f64::max);
+    let pressing: Vec<f64> = graph.face.iter().map(|node| -pad.contact[*node as usize].z).collect();
+    let most = pressing.iter().copied().fold(0.0, f64::max);
     let carried = finger.placement.closing * (features.first_contact.travel[p] + pad.travel);
     let inverse = object.rotation.inverse();
     let columns = features.node.len() / (features.pads * graph.face.len());
-    let force = |i: usize| Some(pressing(&graph.face[i])).filter(|force| *force > SMALLEST_FORCE * most);
-    let place = |i: usize| {
-        let moved = graph.rest[i] + pad.displacement[graph.face[i] as usize];
-        finger.placement.place(moved) + carried
-    };
+    let force = |i: usize| Some(pressing[i]).filter(|force| *force > SMALLEST_FORCE * most);
+    let moved = graph.rest.iter().zip(&graph.face).map(|(x, node)| *x + pad.displacement[*node as usize]);
+    let places: Vec<DVec3> = moved.map(|x| finger.placement.place(x) + carried).collect();
     let query = |at: DVec3, reach: f64| {
         let closest = model.object.distance.closest(inverse * (at - object.position), reach)?;
         let closing = (object.rotation * closest.normal).dot(finger.placement.closing);
@@ -148,7 +146,7 @@ fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose)
     let mut around: Vec<Vec<PointGap>> = vec![Vec::new(); graph.face.len()];
     for [a, b] in graph.edges.list.iter().filter(|(a, b)| a < b).map(|(a, b)| [*a as usize, *b as usize]) {
         if force(a).or(force(b)).is_some()
-            && let Some(gap) = query(0.5 * (place(a) + place(b)), f64::INFINITY)
+            && let Some(gap) = query(0.5 * (places[a] + places[b]), f64::INFINITY)
         {
             [a, b].into_iter().for_each(|i| around[i].push(gap));
         }
@@ -156,7 +154,7 @@ fn near_nodes(features: &GraspFeatures, p: usize, pad: &PadState, object: &Pose)
     let of = |i: usize| {
         let force = force(i);
         // A node without pressing force matters only if it penetrates the object.
-        let own = query(place(i), if force.is_some() { f64::INFINITY } else { finger.law.offset })?;
+        let own = query(places[i], if force.is_some() { f64::INFINITY } else { finger.law.offset })?;
         let hidden = f64::from(features.node[(p * graph.face.len() + i) * columns + GAP_DIFFERENCE]);
         let Some(force) = force else {
             return Some(NearNode { gap: own.distance, closing: own.closing, force: 0.0, hidden });

@@ -1,8 +1,10 @@
 //! Contact points of a sensing face: one for each of its nodes and for each basis function of its force, where the object
 //! touches the face around them.
 
+use super::compliance::Compliance;
 use super::pad_graph::PadGraph;
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Covered fraction of a basis function below which it lies beside the object.
 const LEAST_COVERED: f64 = 0.02;
@@ -35,6 +37,28 @@ impl ContactPoint {
     /// Returns the corners of nonzero weight.
     pub fn weights(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
         self.corners.into_iter().filter(|(_, weight)| *weight != 0.0).map(|(node, weight)| (node as usize, weight))
+    }
+
+    /// Returns the response of component `a` at this point to the force components on the face nodes with these numbers in
+    /// the pad; empty if the point is at a bonded node.
+    pub fn response<'a>(&self, compliance: &'a Compliance, nodes: &[u32], a: usize) -> Cow<'a, [f32]> {
+        let of_node = |node: usize| compliance.row(nodes[node], a).unwrap_or_default();
+        if let Some(node) = self.node() {
+            return Cow::Borrowed(of_node(node));
+        }
+        let mut sum = vec![0.0; 3 * nodes.len()];
+        for (node, weight) in self.weights() {
+            sum.iter_mut().zip(of_node(node)).for_each(|(sum, c)| *sum += weight as f32 * c);
+        }
+        Cow::Owned(sum)
+    }
+
+    /// Returns the interpolation of vectors of the face nodes that are given by components: (face nodes * 3).
+    pub fn interpolate_components(&self, of_nodes: &[f32]) -> [f32; 3] {
+        if let Some(node) = self.node() {
+            return [0, 1, 2].map(|k| of_nodes[3 * node + k]);
+        }
+        [0, 1, 2].map(|k| self.weights().map(|(node, weight)| weight as f32 * of_nodes[3 * node + k]).sum())
     }
 
     /// Returns the interpolation of vectors of the face nodes.

@@ -138,36 +138,13 @@ impl ProjectedGradient {
         let m = near.len();
         let mut matrix = Vec::with_capacity(9 * m * m);
         let points: Vec<ContactPoint> = near.iter().map(|i| face[0][*i].point).collect();
-        let unmoved: Vec<Option<usize>> = points.iter().map(ContactPoint::node).collect();
-        let mut sum = vec![0.0; 3 * nodes.len()];
-        for (own, node) in points.iter().zip(&unmoved) {
-            let response = |node: usize, a: usize| compliance.row(nodes[node], a).unwrap_or_default();
+        for own in &points {
             for a in 0..3 {
-                let row = match node {
-                    Some(node) => response(*node, a),
-                    None => {
-                        sum.fill(0.0);
-                        for (node, weight) in own.weights() {
-                            sum.iter_mut().zip(response(node, a)).for_each(|(sum, c)| *sum += weight as f32 * c);
-                        }
-                        &sum
-                    }
-                };
+                let row = own.response(compliance, nodes, a);
                 if row.is_empty() {
                     matrix.resize(matrix.len() + 3 * m, 0.0);
-                    continue;
-                }
-                for (other, node) in points.iter().zip(&unmoved) {
-                    match node {
-                        Some(node) => matrix.extend_from_slice(&row[3 * node..3 * node + 3]),
-                        None => {
-                            let at = |b: usize| {
-                                let parts = other.weights().map(|(node, weight)| weight as f32 * row[3 * node + b]);
-                                parts.sum::<f32>()
-                            };
-                            matrix.extend([at(0), at(1), at(2)]);
-                        }
-                    }
+                } else {
+                    points.iter().for_each(|other| matrix.extend(other.interpolate_components(&row)));
                 }
             }
         }

@@ -79,7 +79,7 @@ pub struct PredictionInterval {
 pub type ValidationErrors = Vec<(ErrorIndicators, [f64; 3])>;
 
 /// Returns the product of coefficients and indicators.
-fn dot(weights: &ErrorIndicators, signs: &ErrorIndicators) -> f64 {
+pub(super) fn dot<const N: usize>(weights: &[f64; N], signs: &[f64; N]) -> f64 {
     weights.iter().zip(signs).map(|(w, s)| w * s).sum()
 }
 

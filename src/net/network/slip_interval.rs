@@ -6,7 +6,7 @@
 //! of indicators of the grasp, by least absolute deviations, because a few objects roll out at a fraction of the load;
 //! the quantiles of the differences from estimates by other grasps are the ends of the interval.
 
-use super::interval::{MIN_GRASPS, least_squares};
+use super::interval::{MIN_GRASPS, dot, least_squares};
 use serde::{Deserialize, Serialize};
 
 /// Number of indicators of slip.
@@ -114,10 +114,6 @@ fn least_deviations(rows: &[(SlipIndicators, f64)]) -> Option<SlipIndicators> {
         mean = least_squares(&weighted, RIDGE / rows.len() as f64, &[])?;
     }
     Some(mean)
-}
-
-fn dot(weights: &SlipIndicators, signs: &SlipIndicators) -> f64 {
-    weights.iter().zip(signs).map(|(w, s)| w * s).sum()
 }
 
 fn clamped(logarithm: f64) -> f64 {

@@ -5,7 +5,7 @@ use crate::features::normalise::Normaliser;
 use crate::features::range::TrainedRange;
 use crate::features::volume::{CONTACT_EDGE, MESH_EDGE, VOLUME_NODE, VolumeGraph};
 use crate::features::{EDGE, NODE, PAD, Parity};
-use crate::linear_response::canonical_pads::CanonicalPadList;
+use crate::linear_response::canonical_pads::{CanonicalPadList, CanonicalPads};
 use crate::linear_response::pad_graph::Layout;
 use crate::network::{Normalisers, VolumeNormalisers};
 use crate::train::sample::{LabelNodes, Sample, model_of};
@@ -16,7 +16,7 @@ use dataset::split::{GraspNumbers, TrainTestSplit};
 use dataset::{DataSet, Splits};
 use model::Model;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// Returns training and test poses of each of `sets` by the name of a split: `poses`, `all`, `single:OBJECT`,
@@ -59,8 +59,26 @@ pub fn plan(sets: &[DataSet]) -> String {
     }
 }
 
-/// Reads the grasps of each set's poses, at most `frames` frames of each with these `labels`, and their range. Their canonical pads are
-/// taken from `known` or added to it.
+/// Builds the models of those objects of `set` that have a grasp in `grasps` (object, number), and takes their canonical
+/// pads from `known` or adds them to it. Not within a parallel iteration: it holds the lock of `known` while it computes
+/// in parallel.
+///
+/// # Errors
+/// Fails if a scene cannot be built, or has pads without canonical ones.
+pub(super) fn models_of(
+    set: &DataSet,
+    grasps: &[(usize, usize)],
+    known: &CanonicalPadList,
+) -> Result<BTreeMap<usize, (Arc<Model>, CanonicalPads)>> {
+    let objects: BTreeSet<usize> = grasps.iter().map(|(object, _)| *object).collect();
+    let objects: Vec<usize> = objects.into_iter().collect();
+    let models = objects.par_iter().map(|o| model_of(&set.objects[*o])).collect::<Result<Vec<Arc<Model>>>>()?;
+    let pads = known.of_models(&models)?;
+    Ok(objects.into_iter().zip(models.into_iter().zip(pads)).collect())
+}
+
+/// Reads the grasps of each set's poses, at most `frames` frames of each with these `labels`, and their range. Their
+/// canonical pads are taken from `known` or added to it.
 ///
 /// # Errors
 /// Fails for damaged files or grasps, for a mixture that one model cannot represent, and if there is no grasp.
@@ -76,10 +94,9 @@ pub fn read(
             return Err(Error::Start(format!("the data set is damaged: {damaged}")));
         }
         set.objects.iter().try_for_each(|object| object.require_equal_pads("a network"))?;
-        let models = set.objects.par_iter().map(model_of).collect::<Result<Vec<Arc<Model>>>>()?;
-        let of_object = known.of_models(&models)?;
-        let named = set.select(poses).into_iter();
-        chosen.extend(named.map(|(o, grasp)| (&set.objects[o], of_object[o].clone(), grasp)));
+        let grasps = set.select(poses);
+        let models = models_of(set, &grasps, known)?;
+        chosen.extend(grasps.into_iter().map(|(o, grasp)| (&set.objects[o], models[&o].1.clone(), grasp)));
     }
     let samples = chosen.par_iter().map(|(file, pads, grasp)| {
         interrupt::check()?;

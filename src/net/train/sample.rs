@@ -136,8 +136,12 @@ impl Sample {
                 let [moved, force] =
                     [&data.displacement, &data.contact_force].map(|all| vectors(&all[components.clone()]));
                 let stress: Vec<f64> = data.von_mises[own].iter().map(|s| f64::from(*s)).collect();
-                let force = canonical.from_scene().map_or(force.clone(), |map| map.force(&force));
-                let (moved, stress) = match canonical.from_scene().filter(|_| labels == LabelNodes::Canonical) {
+                let map = canonical.from_scene();
+                let force = match map {
+                    Some(map) => map.force(&force),
+                    None => force,
+                };
+                let (moved, stress) = match map.filter(|_| labels == LabelNodes::Canonical) {
                     Some(map) => (map.displacement(&moved), map.values(&stress)),
                     None => (moved, stress),
                 };

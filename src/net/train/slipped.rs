@@ -1,6 +1,6 @@
 //! Grasps of data sets whose object slipped under a push, for the interval of the slip margin.
 
-use super::sample::model_of;
+use super::data;
 use crate::infer::friction_margin::SlipLoad;
 use crate::infer::predict::Predictor;
 use crate::linear_response::canonical_pads::{CanonicalPadList, CanonicalPads};
@@ -30,23 +30,25 @@ pub struct SlippedGrasp {
 /// # Errors
 /// Fails for damaged files or grasps.
 pub fn read(sets: &[(&DataSet, &GraspNumbers)], known: &CanonicalPadList) -> Result<Vec<SlippedGrasp>> {
-    let dropped: Vec<(&ObjectFile, usize)> = sets
-        .iter()
-        .flat_map(|(set, poses)| set.select_dropped(poses).into_iter().map(|(o, grasp)| (&set.objects[o], grasp)))
-        .collect();
-    let slipped = dropped.par_iter().map(|(file, grasp)| {
-        interrupt::check()?;
-        SlippedGrasp::read(file, known, *grasp)
-    });
-    Ok(slipped.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
+    let mut slipped = Vec::new();
+    for (set, poses) in sets {
+        let dropped = set.select_dropped(poses);
+        let models = data::models_of(set, &dropped, known)?;
+        let read = dropped.par_iter().map(|(o, grasp)| {
+            interrupt::check()?;
+            let (model, pads) = &models[o];
+            SlippedGrasp::read(&set.objects[*o], model, pads, *grasp)
+        });
+        slipped.extend(read.collect::<Result<Vec<_>>>()?.into_iter().flatten());
+    }
+    Ok(slipped)
 }
 
 impl SlippedGrasp {
     /// Reads a dropped grasp; None if it was dropped before the push.
-    fn read(file: &ObjectFile, known: &CanonicalPadList, grasp: usize) -> Result<Option<Self>> {
-        let model = model_of(file)?;
+    fn read(file: &ObjectFile, model: &Arc<Model>, pads: &CanonicalPads, grasp: usize) -> Result<Option<Self>> {
         let data = file.grasp(grasp)?;
-        let loads = frame_loads(&model);
+        let loads = frame_loads(model);
         let Some(last) = data.frames.checked_sub(1) else { return Ok(None) };
         let (Some(held), Some(lost)) = (loads.get(last), loads.get(data.frames)) else { return Ok(None) };
         if lost.push == Wrench::ZERO {
@@ -57,9 +59,8 @@ impl SlippedGrasp {
             torque: 0.5 * (held.push.torque + lost.push.torque),
         };
         let load = GraspLoad { force: lost.force, push };
-        let pads = known.of(&model)?;
         let first_contact = pads.first_contact(Pose::from_row(&data.grasp_pose))?;
-        Ok(Some(Self { model, pads, first_contact, load }))
+        Ok(Some(Self { model: model.clone(), pads: pads.clone(), first_contact, load }))
     }
 
     /// Returns the load at which it slipped, as `predictor` sees it; None if there is no prediction for it.

@@ -265,8 +265,7 @@ impl RigidEquilibrium {
         self.solve_equilibrium(&Equilibrium { queries, ..squeezed.clone() }, load).0
     }
 
-    /// Returns the depth that the object prescribes at each contact point of `pad` along its
-    /// normal, with this normal;
+    /// Returns the depth that the object prescribes at each contact point of `pad` along its normal, with this normal;
     /// negative is a gap.
     pub fn prescribed_depths(&self, pad: usize, state: &Equilibrium) -> Vec<(f64, DVec3)> {
         let inverse = self.fingers[pad].rotation.transpose();
