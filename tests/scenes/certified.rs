@@ -43,16 +43,15 @@ const BARS: [(&str, f64); 5] = [
 
 /// Object and value that miss their tolerance with 2.6 mm cells, and the measured relative error, rounded up, which is
 /// allowed instead.
-const MISSED: [(&str, &str, f64); 9] = [
+const MISSED: [(&str, &str, f64); 8] = [
     ("sphere", "travel_m", 0.025),
     ("sphere", "displacement_max_m", 0.024),
     ("lemon", "travel_m", 0.022),
     ("cuboid", "displacement_max_m", 0.052),
     ("hexagon", "travel_m", 0.05),
     ("hexagon", "displacement_max_m", 0.055),
-    ("scanned-lemon", "travel_m", 0.042),
-    ("scanned-lemon", "displacement_max_m", 0.077),
-    ("scanned-lemon", "displacement_rms_m", 0.03),
+    ("scanned-lemon", "travel_m", 0.047),
+    ("scanned-lemon", "displacement_max_m", 0.03),
 ];
 
 /// Prints the relative error of each value; returns those beyond their tolerance or their allowance in [`MISSED`].
