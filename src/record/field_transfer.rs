@@ -21,6 +21,8 @@ const MOST_PARTS: usize = 6;
 #[derive(Debug)]
 pub struct FieldTransfer {
     nodes: Stencils,
+    /// Estimated errors of interpolated values.
+    errors: Stencils,
     bonded: Vec<bool>,
     /// Entries (node of the target, node of the source, fraction of its force), in this order.
     forces: Vec<(u32, u32, f64)>,
@@ -29,8 +31,10 @@ pub struct FieldTransfer {
 impl FieldTransfer {
     /// Creates the map from the mesh `source` to the mesh `target`.
     pub fn new(source: &PadTopology, target: &PadTopology) -> Self {
+        let nodes = Stencils::new(&target.rest, source);
         Self {
-            nodes: Stencils::new(&target.rest, source),
+            errors: nodes.error_estimate(),
+            nodes,
             bonded: target.bonded.clone(),
             forces: force_fractions(source, target),
         }
@@ -54,6 +58,11 @@ impl FieldTransfer {
     /// Returns interpolated nodal values.
     pub fn values<T: Copy + Mul<f64, Output = T> + Sum>(&self, nodal: &[T]) -> Vec<T> {
         self.nodes.of(nodal)
+    }
+
+    /// Returns estimated errors of interpolated values ([`Stencils::error_estimate`]).
+    pub fn errors<T: Copy + Mul<f64, Output = T> + Sum>(&self, nodal: &[T]) -> Vec<T> {
+        self.errors.of(nodal)
     }
 
     /// Returns the interpolated displacement, zero where the target is bonded.

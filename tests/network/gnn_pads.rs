@@ -10,6 +10,7 @@ use tactus::model::Model;
 use tactus::model::grasp::grasp_poses;
 use tactus::net::infer::predict::Predictor;
 use tactus::net::network::card::StoredModel;
+use tactus::record::ErrorBound;
 use tactus::scene::{from_ron, load};
 
 const UNIVERSE: &str = "Scene(
@@ -55,9 +56,9 @@ fn one_network_learns_from_pads_of_several_kinds() {
     );
 }
 
-/// Positions of the nodes of the first pad with displacement and stress, and the travel, as the built-in network answers
-/// for `pads` around an ellipsoid at 8 N.
-fn answered(pads: &str) -> (Vec<(DVec3, DVec3, f64)>, f64) {
+/// Positions of the nodes of the first pad with displacement and stress, the travel, and the prediction intervals, as the
+/// built-in network answers for `pads` around an ellipsoid at 8 N.
+fn answered(pads: &str) -> (Vec<(DVec3, DVec3, f64)>, f64, ErrorBound) {
     let text = format!(
         "(object: (shape: Ellipsoid(radii: (0.03, 0.02, 0.016))), gripper: (pads: {pads}, friction: 0.8, opening: 0.08),
           loading: Squeeze(force: 8.0, frames: 1))"
@@ -70,7 +71,7 @@ fn answered(pads: &str) -> (Vec<(DVec3, DVec3, f64)>, f64) {
     let state = predictor.at(&predictor.encode_first_contact(&canonical, &touch), 4.0).unwrap();
     let pad = &state.pads[0];
     let nodes = model.fingers[0].topology.rest.iter().zip(&pad.displacement).zip(&pad.stress);
-    (nodes.map(|((x, u), s)| (*x, *u, *s)).collect(), touch.travel[0] + pad.travel)
+    (nodes.map(|((x, u), s)| (*x, *u, *s)).collect(), touch.travel[0] + pad.travel, state.error)
 }
 
 /// A pad curved like that of a DIGIT, from a file of 4-node tetrahedra in millimetres whose normal is -y: the network answers
@@ -95,16 +96,16 @@ fn a_curved_pad_from_a_file_is_answered() {
     };
     let metres = write("metres.tet", [10, 8, 3], 1.0, false);
     let millimetres = write("millimetres.tet", [20, 16, 4], 1e-3, true);
-    let (nodes, travel) = answered(&format!(
+    let (nodes, travel, _) = answered(&format!(
         "File(path: {metres:?}, outward: (0, 0, 1), across: (0, 1, 0), bonded: Plane(within: 1e-6))"
     ));
-    let (_, other) = answered(&format!(
+    let (_, other, _) = answered(&format!(
         "File(path: {millimetres:?}, scale: 1e-3, outward: (0, -1, 0), across: (0, 0, 1), bonded: Plane(within: 1e-6))"
     ));
     assert!((travel / other - 1.0).abs() < 0.01, "{travel} and {other} m");
     let most = nodes.iter().map(|(_, u, _)| u.length()).fold(0.0, f64::max);
     assert!(most > 1e-4 && most < 2e-3, "{most} m");
-    let (_, flat) = answered("Box(size: (0.022, 0.018, 0.004), cells: (10, 8, 3))");
+    let (_, flat, _) = answered("Box(size: (0.022, 0.018, 0.004), cells: (10, 8, 3))");
     assert!(flat != travel, "a curved pad meets the object elsewhere");
 }
 
@@ -118,7 +119,7 @@ fn two_meshes_of_one_pad_get_one_answer() {
         ("Disc(radius: 0.011, thickness: 0.004, MESH)", ["spacing: 2.6e-3", "spacing: 1.3e-3", "spacing: 2e-3"]),
     ] {
         let [first, others @ ..] = meshes.map(|mesh| answered(&shape.replace("MESH", mesh)));
-        for (other, travel) in others {
+        for (other, travel, _) in others {
             let shared = other.iter().filter_map(|(x, u, s)| {
                 let (_, v, r) = first.0.iter().find(|(y, ..)| x.distance(*y) < 1e-7)?;
                 Some([u.distance_squared(*v), v.length_squared(), (s - r).powi(2), r.powi(2)])
@@ -129,4 +130,16 @@ fn two_meshes_of_one_pad_get_one_answer() {
             assert!(shared.len() > 20 && off.iter().all(|off| *off < 0.01), "{shape}: {off:?} at {}", shared.len());
         }
     }
+}
+
+/// On a mesh whose nodes lie between those of the network, the bounds of the fields contain the error of interpolation; that of the
+/// travel does not change. The nodes of 9 x 8 x 2 cells on a pad of 24 x 20 x 4 mm are those of the network.
+#[test]
+fn bounds_contain_the_error_of_interpolation() {
+    let of = |cells: &str| answered(&format!("Box(size: (0.024, 0.02, 0.004), cells: {cells})")).2;
+    let (own, other) = (of("(9, 8, 2)"), of("(13, 11, 3)"));
+    assert!(own.is_known() && other.is_known());
+    assert!(other.stress > own.stress && other.displacement > own.displacement, "{own:?}, {other:?}");
+    assert!(other.stress < own.stress + 0.1, "interpolation of stress is off by less than 10 %: {own:?}, {other:?}");
+    assert!((other.travel / own.travel - 1.0).abs() < 1e-6, "{own:?}, {other:?}");
 }

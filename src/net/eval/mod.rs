@@ -87,7 +87,7 @@ fn evaluate_grasp(predictor: &Predictor, sample: &Sample) -> Result<GraspEvaluat
     };
     let last = states.len() - 1;
     let own = labelled(sample, &states[last]);
-    let predicted = peak(own.iter().flat_map(|p| &p.displacement), own.iter().flat_map(|p| &p.stress));
+    let predicted = peak(own.pads.iter().flat_map(|p| &p.displacement), own.pads.iter().flat_map(|p| &p.stress));
     Ok(GraspEvaluation { frames, peaks: [truth(last), predicted], time_s })
 }
 

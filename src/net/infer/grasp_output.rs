@@ -146,14 +146,11 @@ pub(crate) fn linear_combination(parts: &[(&GraspOutput, usize, f64)]) -> GraspS
     let error = errors.reduce(|a, b| a.or_larger(&b)).unwrap_or(ErrorBound::UNKNOWN);
     let held = parts.iter().all(|(answer, level, _)| answer.loads.held[*level]);
     let to_scene = parts.first().and_then(|(answer, ..)| answer.to_scene.as_deref());
-    let pad = |pad: usize| {
-        let state = combined_pad(pad, parts);
-        match to_scene {
-            Some(map) => state.transferred(map),
-            None => state,
-        }
-    };
-    GraspState { pads: (0..pads).map(pad).collect(), held, error }
+    let state = GraspState { pads: (0..pads).map(|pad| combined_pad(pad, parts)).collect(), held, error };
+    match to_scene {
+        Some(map) => state.transferred(map),
+        None => state,
+    }
 }
 
 fn combined_pad(pad: usize, parts: &[(&GraspOutput, usize, f64)]) -> PadState {

@@ -23,7 +23,7 @@ pub struct PadState {
 
 impl PadState {
     /// Returns the state on another mesh.
-    pub fn transferred(&self, map: &FieldTransfer) -> Self {
+    fn transferred(&self, map: &FieldTransfer) -> Self {
         Self {
             displacement: map.displacement(&self.displacement),
             // Quadratic shape functions may be negative.
@@ -47,4 +47,31 @@ pub struct GraspState {
     pub held: bool,
     /// Upper ends of the prediction intervals (90 %); unknown outside the range of the training.
     pub error: ErrorBound,
+}
+
+impl GraspState {
+    /// Returns the state on another mesh. The prediction intervals of the fields grow by the estimated error of their
+    /// interpolation, which is independent of the error of the network.
+    pub fn transferred(&self, map: &FieldTransfer) -> Self {
+        let pads: Vec<PadState> = self.pads.iter().map(|pad| pad.transferred(map)).collect();
+        let (mut displacement, mut stress) = ([0.0; 2], [0.0; 2]);
+        for (own, there) in self.pads.iter().zip(&pads) {
+            let squares = |field: &[DVec3]| field.iter().map(|v| v.length_squared()).sum::<f64>();
+            displacement[0] += squares(&map.errors(&own.displacement));
+            displacement[1] += squares(&there.displacement);
+            if !own.stress.is_empty() {
+                stress[0] += map.errors(&own.stress).iter().map(|s| s * s).sum::<f64>();
+                stress[1] += there.stress.iter().map(|s| s * s).sum::<f64>();
+            }
+        }
+        let grown = |bound: f64, [error, whole]: [f64; 2]| {
+            if whole > 0.0 { bound.hypot((error / whole).sqrt()) } else { bound }
+        };
+        let error = ErrorBound {
+            displacement: grown(self.error.displacement, displacement),
+            stress: grown(self.error.stress, stress),
+            ..self.error
+        };
+        Self { pads, error, ..*self }
+    }
 }

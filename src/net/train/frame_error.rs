@@ -54,22 +54,22 @@ pub(crate) fn reference_fields(sample: &Sample, k: usize) -> (Vec<DVec3>, Vec<f6
     (u, sample.stress[k * n..(k + 1) * n].iter().map(|v| f64::from(*v)).collect())
 }
 
-/// Returns the states of the pads at the nodes of the labels of `sample`, from those at the canonical nodes.
-pub(crate) fn labelled<'a>(sample: &Sample, state: &'a GraspState) -> Cow<'a, [PadState]> {
+/// Returns the state at the nodes of the labels of `sample`, from that at the canonical nodes.
+pub(crate) fn labelled<'a>(sample: &Sample, state: &'a GraspState) -> Cow<'a, GraspState> {
     match &sample.to_labels {
-        Some(map) => state.pads.iter().map(|pad| pad.transferred(map)).collect(),
-        None => Cow::Borrowed(&state.pads),
+        Some(map) => Cow::Owned(state.transferred(map)),
+        None => Cow::Borrowed(state),
     }
 }
 
 /// Computes the errors of a prediction at level `k` of a sample.
-pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
+pub fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
     let states = &state.pads;
     let (u, s) = reference_fields(sample, k);
     let pads = states.len();
     let labelled = labelled(sample, state);
-    let own_u = labelled.iter().flat_map(|p| &p.displacement);
-    let own_s = labelled.iter().flat_map(|p| &p.stress);
+    let own_u = labelled.pads.iter().flat_map(|p| &p.displacement);
+    let own_s = labelled.pads.iter().flat_map(|p| &p.stress);
     let du: Vec<f64> = u.iter().zip(own_u).map(|(a, b)| a.distance(*b)).collect();
     let ds: Vec<f64> = s.iter().zip(own_s).map(|(a, b)| a - b).collect();
     let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
@@ -111,6 +111,6 @@ pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> Fram
         travel_mm: et * 1e3,
         object_mm: of(|s| s.translation, 0) * 1e3,
         object_deg: of(|s| s.rotation_vector, 3).to_degrees(),
-        bound: state.error,
+        bound: labelled.error,
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{Frame, PadTopology};
 use glam::{DVec2, DVec3, Vec3Swizzles};
-use mech::element::{RestTet, TET10, tet10_values};
+use mech::element::{EDGES, RestTet, TET10, tet10_values};
 use std::iter::Sum;
 use std::ops::Mul;
 
@@ -55,6 +55,20 @@ impl Stencils {
     pub fn new(points: &[DVec3], pad: &PadTopology) -> Self {
         let tets = Tets::of(pad);
         Self(points.iter().map(|p| tets.stencil(*p)).collect())
+    }
+
+    /// Returns the map from nodal values to an estimate of the error of their interpolation: quadratic minus linear
+    /// interpolation on elements of half the size, which have the same nodes. It is zero at the nodes, and on elements
+    /// without nodes on their edges, where no field of higher order is known.
+    pub fn error_estimate(&self) -> Self {
+        let row = |stencil: &Vec<(u32, f64)>| {
+            let Ok(quadratic) = <[f64; 10]>::try_from(stencil.iter().map(|(_, w)| *w).collect::<Vec<_>>()) else {
+                return Vec::new();
+            };
+            let linear = linear_on_halves(quadratic);
+            stencil.iter().zip(linear).map(|((node, w), linear)| (*node, w - linear)).collect()
+        };
+        Self(self.0.iter().map(row).collect())
     }
 
     /// Returns the nodes and the values of their shape functions, for each point.
@@ -177,11 +191,65 @@ fn shape_functions(l: [f64; 4], nodes: &[u32]) -> Vec<(u32, f64)> {
     nodes.iter().copied().zip(values.iter().copied()).collect()
 }
 
+/// Returns the weights of linear interpolation on the eight halves of a tetrahedron, from the values of its quadratic
+/// shape functions: four corners and, around the line from the middle of edge 0-1 to that of 2-3, four inner parts.
+fn linear_on_halves(quadratic: [f64; 10]) -> [f64; 10] {
+    // Barycentric coordinates: linear fields are quadratic ones.
+    let mut l: [f64; 4] = std::array::from_fn(|i| quadratic[i]);
+    for ([i, j], value) in EDGES.into_iter().zip(&quadratic[4..]) {
+        l[i] += 0.5 * value;
+        l[j] += 0.5 * value;
+    }
+    let mut linear = [0.0; 10];
+    let corner = (0..4).find(|i| l[*i] > 0.5);
+    for (e, [i, j]) in EDGES.into_iter().enumerate() {
+        // An inner part has the middles of two opposite edges, and of one of each other pair.
+        let inner = l[i] + l[j] - 0.5;
+        linear[4 + e] = match corner {
+            Some(k) if k == i => 2.0 * l[j],
+            Some(k) if k == j => 2.0 * l[i],
+            Some(_) => 0.0,
+            None => 2.0 * inner.max(0.0),
+        };
+    }
+    match corner {
+        Some(k) => linear[k] = 2.0 * l[k] - 1.0,
+        None => {
+            let opposite = [EDGES.iter().position(|e| *e == [0, 1]), EDGES.iter().position(|e| *e == [2, 3])];
+            let rest = 0.5 * (1.0 - linear.iter().sum::<f64>());
+            opposite.into_iter().flatten().for_each(|e| linear[4 + e] += rest);
+        }
+    }
+    linear
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{ElementNodes, PadFrame};
     use geometry::mesh::{grid, quadratic};
+
+    #[test]
+    fn the_estimated_error_vanishes_at_nodes_and_is_that_of_linear_interpolation() {
+        // The edge of a quarter of a unit from node to node: a square has the error `x (h - x)` between them.
+        let line: Vec<f64> = (0..=2).map(|i| i as f64 / 2.0).collect();
+        let grid = quadratic::to_quadratic(&grid::structured([&line, &line, &line]).unwrap());
+        let nodes = grid.nodes.clone();
+        let pad =
+            PadTopology { rest: grid.nodes, elements: ElementNodes::Quadratic(grid.tets), ..PadTopology::default() };
+        let square: Vec<f64> = nodes.iter().map(|x| x.x * x.x).collect();
+        let at_nodes = Stencils::new(&nodes, &pad).error_estimate().of(&square);
+        assert!(at_nodes.iter().all(|error| error.abs() < 1e-14));
+        let between: Vec<DVec3> = (0..40).map(|i| DVec3::new(f64::from(i) / 40.0, 0.0, 0.0)).collect();
+        let estimated = Stencils::new(&between, &pad).error_estimate().of(&square);
+        for (x, error) in between.iter().zip(estimated) {
+            let from_node = x.x % 0.25;
+            assert!((error + from_node * (0.25 - from_node)).abs() < 1e-14, "{error} at {x}");
+        }
+        let inside = Stencils::new(&[DVec3::new(0.3, 0.2, 0.22), DVec3::new(0.21, 0.47, 0.6)], &pad).error_estimate();
+        let linear: Vec<f64> = nodes.iter().map(|x| 1.0 + x.x - 2.0 * x.y + 3.0 * x.z).collect();
+        assert!(inside.of(&linear).iter().all(|error| error.abs() < 1e-14), "linear fields have no error");
+    }
 
     #[test]
     fn quadratic_fields_are_reproduced_and_volumes_add_up() {
