@@ -10,7 +10,7 @@ use crate::PadTopology;
 use crate::error_norm::fields::Stencils;
 use geometry::face_lookup::FaceLookup;
 use glam::{DVec2, DVec3, Vec3Swizzles};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::iter::Sum;
 use std::ops::Mul;
 
@@ -23,6 +23,8 @@ pub struct FieldTransfer {
     nodes: Stencils,
     /// Estimated errors of interpolated values.
     errors: Stencils,
+    /// Nodes of the sensing face of the target, ascending.
+    face: Vec<u32>,
     bonded: Vec<bool>,
     /// Entries (node of the target, node of the source, fraction of its force), in this order.
     forces: Vec<(u32, u32, f64)>,
@@ -35,6 +37,7 @@ impl FieldTransfer {
         Self {
             errors: nodes.error_estimate(),
             nodes,
+            face: target.sensing.iter().flatten().copied().collect::<BTreeSet<u32>>().into_iter().collect(),
             bonded: target.bonded.clone(),
             forces: force_fractions(source, target),
         }
@@ -48,6 +51,11 @@ impl FieldTransfer {
     /// Returns the flags of the target: true if a node is bonded.
     pub fn bonded(&self) -> &[bool] {
         &self.bonded
+    }
+
+    /// Returns the nodes of the sensing face of the target.
+    pub fn face(&self) -> &[u32] {
+        &self.face
     }
 
     /// Returns the entries (node of the target, node of the source, fraction of its force).

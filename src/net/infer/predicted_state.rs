@@ -51,12 +51,13 @@ pub struct GraspState {
 
 impl GraspState {
     /// Returns the state on another mesh. The prediction intervals of the fields grow by the estimated error of their
-    /// interpolation, which is independent of the error of the network.
+    /// interpolation, which is independent of the error of the network; that of the displacement is estimated on the
+    /// sensing faces, because an answer may omit the displacement below them.
     pub fn transferred(&self, map: &FieldTransfer) -> Self {
         let pads: Vec<PadState> = self.pads.iter().map(|pad| pad.transferred(map)).collect();
         let (mut displacement, mut stress) = ([0.0; 2], [0.0; 2]);
         for (own, there) in self.pads.iter().zip(&pads) {
-            let squares = |field: &[DVec3]| field.iter().map(|v| v.length_squared()).sum::<f64>();
+            let squares = |field: &[DVec3]| map.face().iter().map(|i| field[*i as usize].length_squared()).sum::<f64>();
             displacement[0] += squares(&map.errors(&own.displacement));
             displacement[1] += squares(&there.displacement);
             if !own.stress.is_empty() {

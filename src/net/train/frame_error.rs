@@ -63,7 +63,7 @@ pub(crate) fn labelled<'a>(sample: &Sample, state: &'a GraspState) -> Cow<'a, Gr
 }
 
 /// Computes the errors of a prediction at level `k` of a sample.
-pub fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
+pub(crate) fn frame_error(sample: &Sample, k: usize, state: &GraspState) -> FrameError {
     let states = &state.pads;
     let (u, s) = reference_fields(sample, k);
     let pads = states.len();
